@@ -7,7 +7,8 @@ import pytest
 from tisph import config, registry, runtime, schemes
 from tisph.cli.check import estimates
 from tisph.errors import ConfigError
-from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
+from tisph.exact._fluids import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
 from tisph.schemes._two_dimensional.scheme import SplittingScheme

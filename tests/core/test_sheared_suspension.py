@@ -3,7 +3,6 @@
 import pytest
 
 import tisph
-from tisph.scenes._suspension_stress import stresses
 
 CASE = {
     "name": "sheared",
@@ -34,7 +33,7 @@ def ended(config):
     """Stresses at the end of a run over the viscosity times the shear rate, which is 1."""
     with tisph.Simulation(config) as simulation:
         simulation.run_until(config["time"]["end"])
-        found = stresses(simulation.scene, simulation.scheme.snapshot())
+        found = simulation.scene.mean_stresses(simulation.scheme.snapshot())
     viscosity = config["fluid"]["density"] * config["fluid"]["kinematic_viscosity"]
     return {name: value / viscosity for name, value in found.items()}
 

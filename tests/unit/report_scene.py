@@ -89,10 +89,8 @@ class PolymerChannel(Channel):
         return self.top.cosine * np.asarray(y) / self.gap + 0.0 * np.asarray(t)
 
     def exact_polymer_stress(self, y, t):
-        return self.stress(t) + 0.0 * np.asarray(y), self.exact_polymer_shear_stress(y, t)
-
-    def exact_polymer_shear_stress(self, y, t):
-        return self.stress(t) * (1.0 - 2.0 * np.asarray(y) / self.gap)
+        normal = self.stress(t) + 0.0 * np.asarray(y)
+        return np.stack([normal, normal * (1.0 - 2.0 * np.asarray(y) / self.gap), np.zeros_like(normal)])
 
 
 def make_polymer_channel(**changes) -> PolymerChannel:
@@ -130,6 +128,5 @@ def particles(channel, t, x, y, u) -> Snapshot:
     zero = np.zeros_like(x)
     stresses = {}
     if channel.polymer:
-        normal, shear = channel.exact_polymer_stress(y, t)
-        stresses = {"stress_xx": normal, "stress_xy": shear, "stress_yy": zero}
+        stresses = dict(zip(("stress_xx", "stress_xy", "stress_yy"), channel.exact_polymer_stress(y, t), strict=True))
     return Snapshot(t=t, step=0, x=x, y=y, u=u, v=zero, density=zero + channel.density, pressure=zero, **stresses)

@@ -11,7 +11,8 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.special import jn_zeros, jv
 
-from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, Flow, StartUp, Wall
 from tisph.geometry.motion import Schedule
 from tisph.rheology import power_law
 

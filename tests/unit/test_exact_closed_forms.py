@@ -9,7 +9,8 @@ from oracles import oscillating_wall, poiseuille, scheduled_wall
 from oracles.circular_couette import CircularCouette
 
 from tisph.exact import couette
-from tisph.exact.start_up import CircularStartUp, Flow, StartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, Flow, StartUp, Wall
 from tisph.geometry.motion import Schedule, WallMotion
 
 GAP, NU = 0.7, 0.3

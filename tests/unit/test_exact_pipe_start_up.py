@@ -6,7 +6,8 @@ from oracles._annulus_modes import modes, velocities
 from polymer_laws import law
 from scipy.special import jn_zeros, jv
 
-from tisph.exact.start_up import InelasticFluid, PipeStartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import PipeStartUp, Wall
 from tisph.geometry.motion import WallMotion
 from tisph.rheology import power_law
 

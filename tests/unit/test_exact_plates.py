@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from tisph import registry
-from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import Flow, StartUp
 from tisph.geometry.motion import StressControlledWall
 
 HEIGHTS = np.linspace(0.1, 1.0, 10)

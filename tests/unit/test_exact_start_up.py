@@ -10,7 +10,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tisph import registry
-from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import Flow, StartUp, Wall
 
 HEIGHTS = np.linspace(0.0, 1.0, 41)
 COUETTE, POISEUILLE = Flow(1.0, top=Wall(1.0)), Flow(1.0, acceleration=2.0)

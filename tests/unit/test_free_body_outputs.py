@@ -22,7 +22,6 @@ from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
-from tisph.scenes import _suspension_stress
 from tisph.schemes._two_dimensional.free_bodies import Contact
 from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
@@ -91,7 +90,7 @@ def test_of_many_bodies_means_are_followed(make):
         "bodies_mean_u",
         "bodies_mean_v",
         "bodies_mean_angular_speed",
-        *_suspension_stress.columns(scene),
+        *scene.mean_stress_names,
         "superficial_velocity",
     ]
     count = len(scene.bodies)

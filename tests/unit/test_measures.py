@@ -171,7 +171,7 @@ def test_what_rounds_away_in_the_frame_is_nothing_to_be_relative_to():
 def polymer_snapshot(channel, t, shear_factor=1.0, normal_shift=0.0):
     """Jittered particles with the exact velocities and the exact stresses, altered as told; S_yy is not 0."""
     x, y = channel.jittered(0, 0.2)
-    normal, shear = channel.exact_polymer_stress(y, t)
+    normal, shear, _ = channel.exact_polymer_stress(y, t)
     at_rest = np.zeros_like(x)
     stresses = {"stress_xx": normal + 0.3 + normal_shift, "stress_xy": shear_factor * shear, "stress_yy": at_rest + 0.3}
     velocity = channel.exact_velocity(y, t)

@@ -9,13 +9,14 @@ from typer.testing import CliRunner
 
 from tisph import cli, registry, scenes
 from tisph.errors import ConfigError
+from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.linear_viscoelasticity import (
     Spectrum,
     apparent_viscosity,
     corrected_viscosity,
     cylinder_apparent_viscosity,
 )
-from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.geometry.motion import StressControlledWall, WallMotion
 from tisph.measures.rheometry import (
     _amplitudes,

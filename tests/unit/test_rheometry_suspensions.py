@@ -13,7 +13,9 @@ from tisph.errors import ConfigError
 from tisph.measures.rheometry import read
 from tisph.measures.viscometers import batch_means
 from tisph.report import plots as report
-from tisph.scenes._suspension_stress import BODIES, CONTACTS, WALLS, columns, stresses
+from tisph.scenes._cell import STRESS_BY_BODIES as BODIES
+from tisph.scenes._cell import STRESS_BY_CONTACTS as CONTACTS
+from tisph.scenes._cell import STRESS_ON_WALLS as WALLS
 from tisph.schemes._two_dimensional.free_bodies import Contact
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
@@ -67,7 +69,7 @@ def test_stress_by_bodies_is_that_of_the_balance_of_momentum(make):
     inertia = scene.bodies[0].motion.inertia
     loads[0, :3] = -contact[0, :3] - inertia.load  # in slow flow all loads on the free freedoms cancel
     loads[2, 1] = -contact[2, 1]
-    found = stresses(scene, snapshot_of(config, scene, loads, contact))
+    found = scene.mean_stresses(snapshot_of(config, scene, loads, contact))
     inside, heights = loads[:3], np.array([0.3, 0.45, 0.7]) - 0.5
     total = np.sum(inside[:, 3] - 0.5 * inside[:, 2] + heights * inside[:, 0])
     assert found[BODIES] == pytest.approx(0.2 * 2.0 + total / 2.0, rel=1e-9)  # mu G, and over the area
@@ -92,8 +94,8 @@ def test_fluctuations_carry_momentum(make):
     moved = replace(moved, bodies=replace(moved.bodies, velocity=moved.bodies.velocity + np.array([0.1, 0.3])))
     solid = np.pi * 0.04
     carried = 0.03 * (2.0 * (2.0 - solid) + 3.0 * solid) / 2.0
-    assert stresses(scene, still)[BODIES] == pytest.approx(0.4, rel=1e-12)
-    assert stresses(scene, moved)[BODIES] == pytest.approx(0.4 - carried, rel=1e-12)
+    assert scene.mean_stresses(still)[BODIES] == pytest.approx(0.4, rel=1e-12)
+    assert scene.mean_stresses(moved)[BODIES] == pytest.approx(0.4 - carried, rel=1e-12)
 
 
 @pytest.mark.parametrize(("changes", "expected"), [
@@ -107,14 +109,16 @@ def test_fluctuations_carry_momentum(make):
 ])  # fmt: skip
 def test_the_history_has_stresses_where_walls_shear_free_bodies(make, changes, expected):
     config, scene = make(*changes)
-    assert list(columns(scene)) == [name for name in scene.time_series().columns if "stress" in name] == expected
+    assert (
+        list(scene.mean_stress_names) == [name for name in scene.time_series().columns if "stress" in name] == expected
+    )
     assert set(expected) <= set(scene.flow_quantities)
     if expected:
         known = np.ones((len(scene.bodies), 4))
         state = snapshot_of(config, scene, known, 0.0 * known)
         values = dict(zip(scene.time_series().columns, scene.time_series().measure(state), strict=True))
-        assert {name: values[name] for name in expected} == stresses(scene, state)
-        assert stresses(scene, state).items() <= scene.diagnostics(state, None).items()
+        assert {name: values[name] for name in expected} == scene.mean_stresses(state)
+        assert scene.mean_stresses(state).items() <= scene.diagnostics(state, None).items()
 
 
 # --- statistics
@@ -191,7 +195,7 @@ def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
 ])  # fmt: skip
 def test_only_steady_shear_without_a_drive_is_read(make, change):
     config, scene = make(change, "initial.state=rest")
-    table = {"t": np.linspace(0.0, 1.0, 401)} | {name: np.ones(401) for name in columns(scene)}
+    table = {"t": np.linspace(0.0, 1.0, 401)} | {name: np.ones(401) for name in scene.mean_stress_names}
     with pytest.raises(ConfigError, match="between walls of different, constant velocities, without a drive"):
         read(config, scene, table)
 

@@ -5,7 +5,7 @@ import pytest
 
 from tisph import registry
 from tisph.geometry.motion import WallMotion
-from tisph.scenes._layers import PolymerParameters
+from tisph.scenes._scene import PolymerParameters
 from tisph.scenes.channel import Channel
 
 OIL = {
@@ -32,11 +32,10 @@ def rheology(name, **numbers):
 def test_giesekus_has_all_stresses_in_the_units_of_the_config():
     liquid = rheology("giesekus", relaxation_time=0.4, solvent_fraction=0.2, mobility=0.3)
     channel = Channel(**OIL, polymer=PolymerParameters(0.4, 0.2), rheology=liquid)
-    assert not channel.initial_polymer_stress(HEIGHTS)[0].any()
+    assert not channel.exact_polymer_stress(HEIGHTS, 0.0)[0].any()
     end = 30.0
     rate = 1.0 / 0.5
-    xx, xy = channel.exact_polymer_stress(HEIGHTS, end)
-    yy = channel.exact("stress_yy", 0.0, HEIGHTS, end)
+    xx, xy, yy = channel.exact_polymer_stress(HEIGHTS, end)
     modulus = 2.0 * 0.8 * 0.5 / 0.4  # density * kinematic viscosity of the polymer/relaxation time
     c = np.array([xx, xy, yy])[:, 10] / modulus
     law = registry.load("rheology", "giesekus").Law(liquid, 0.4)

@@ -8,7 +8,7 @@ from polymer_laws import oldroyd_b
 from tisph.config import load
 from tisph.exact import couette
 from tisph.geometry.motion import WallMotion
-from tisph.scenes._layers import PolymerParameters
+from tisph.scenes._scene import PolymerParameters
 from tisph.scenes.channel import Channel
 
 NU, GAP, DENSITY = 0.01, 1.0, 2.0
@@ -188,7 +188,9 @@ def test_a_stopped_wall_goes_from_the_old_flow_to_the_new(fluid):
     # 1e-11 is what the polymer flow reaches; after t* = 10 the slowest mode has fallen by exp(-99)
     assert np.allclose(channel.initial_velocity(inside), old.exact_velocity(inside, 0.0), rtol=0, atol=1e-11)
     assert np.allclose(channel.exact_velocity(HEIGHTS, 1000.0), new.exact_velocity(HEIGHTS, 0.0), rtol=0, atol=1e-11)
-    for mine, theirs in zip(channel.initial_polymer_stress(inside), old.initial_polymer_stress(inside), strict=True):
+    for mine, theirs in zip(
+        channel.exact_polymer_stress(inside, 0.0), old.exact_polymer_stress(inside, 0.0), strict=True
+    ):
         assert np.allclose(mine, theirs, rtol=0, atol=1e-11)
 
 
@@ -198,7 +200,9 @@ def test_an_exact_start_takes_up_the_flow_that_started_at_zero(fluid):
         late = make_channel(top=top, initial_state="exact", start_time=3.0, **fluid)
         from_zero = make_channel(top=top, initial_state=state, **fluid)
         assert np.array_equal(late.initial_velocity(HEIGHTS), from_zero.exact_velocity(HEIGHTS, 3.0))
-        assert np.array_equal(late.initial_polymer_stress(HEIGHTS), from_zero.exact_polymer_stress(HEIGHTS, 3.0))
+        assert np.array_equal(
+            late.exact_polymer_stress(HEIGHTS, late.start_time), from_zero.exact_polymer_stress(HEIGHTS, 3.0)
+        )
 
 
 def test_a_developed_flow_stays_what_it_is():
@@ -222,15 +226,15 @@ def test_a_swinging_wall_has_its_periodic_flow_when_developed():
 
 def test_polymer_stress_from_rest_and_developed():
     """S_xy = polymer viscosity * rate, S_xx = 2 relaxation time * polymer viscosity * rate^2 in steady flow."""
-    assert not np.any(FLOWS["polymer"].initial_polymer_stress(HEIGHTS))
+    assert not np.any(FLOWS["polymer"].exact_polymer_stress(HEIGHTS, 0.0))
     steady = make_channel(top=WallMotion(0.5), initial_state="developed", **POLYMER)
-    normal, shear = steady.exact_polymer_stress(HEIGHTS, 4.0)
+    normal, shear, _ = steady.exact_polymer_stress(HEIGHTS, 4.0)
     assert np.allclose(shear, DENSITY * 0.008 * 0.5, rtol=1e-12, atol=0)
     assert np.allclose(normal, 2 * 10.0 * DENSITY * 0.008 * 0.25, rtol=1e-12, atol=0)
 
 
 def test_without_polymer_there_is_no_polymer_stress():
-    normal, shear = make_channel(top=WallMotion(0.5)).exact_polymer_stress(HEIGHTS[:, None], np.ones(3))
+    normal, shear, _ = make_channel(top=WallMotion(0.5)).exact_polymer_stress(HEIGHTS[:, None], np.ones(3))
     assert normal.shape == shear.shape == (21, 3)
     assert not normal.any()
     assert not shear.any()

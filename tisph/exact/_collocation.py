@@ -1,4 +1,4 @@
-"""Polynomials across a gap and in time: spectral elements, and collocation at Radau points of sqrt(t).
+"""Polynomials across a gap and in time: spectral elements, and collocation at Radau points in sqrt(t).
 
 The elements have Legendre-Gauss-Lobatto points, and fields are continuous where elements meet.
 ``count`` elements of one ``order`` p between ``edges`` (count + 1,), which may be as close together as a layer at a
@@ -28,6 +28,7 @@ Sources: C. Canuto, M. Y. Hussaini, A. Quarteroni and T. A. Zang, Spectral Metho
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -36,18 +37,18 @@ from numpy.polynomial.legendre import Legendre
 from tisph.errors import UnsolvedError
 
 AXIS_MASS = 1e-10
-"""Mass of a node on an axis over that of the next, for 0: equations stay ordinary differential ones."""
+"""Mass of a node on an axis over the mass of the next node, in place of 0, which would leave an algebraic equation."""
 
 
-def barycentric_weights(points):
-    """Weights of barycentric interpolation through distinct ``points`` (n,)."""
+def barycentric_weights(points: np.ndarray) -> np.ndarray:
+    """Return the weights of barycentric interpolation through distinct ``points`` (n,)."""
     gaps = points[:, None] - points[None, :]
     np.fill_diagonal(gaps, 1.0)
     return 1 / gaps.prod(axis=1)
 
 
-def interpolation(points, x, weights=None):
-    """Matrix (len(x), n) that takes values at ``points`` (n,) to those of their polynomial at ``x``.
+def interpolation(points: np.ndarray, x: Any, weights: np.ndarray | None = None) -> np.ndarray:
+    """Return the matrix (len(x), n) that interpolates values at ``points`` (n,) to ``x`` by their polynomial.
 
     ``weights``: the ``barycentric_weights``, where they are known.
     """
@@ -58,8 +59,8 @@ def interpolation(points, x, weights=None):
     return np.where(hit.any(axis=1, keepdims=True), hit.astype(float), matrix)
 
 
-def lobatto(order):
-    """Points (order + 1,) on [-1, 1], weights of their rule, and the matrix that differentiates their polynomial."""
+def lobatto(order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the Lobatto points (order + 1,) on [-1, 1], their quadrature weights, and their differentiation matrix."""
     inner = np.sort(Legendre.basis(order).deriv().roots().real)
     points = np.concatenate([[-1.0], (inner - inner[::-1]) / 2, [1.0]])  # symmetric to the last bit
     weights = 2 / (order * (order + 1) * Legendre.basis(order)(points) ** 2)
@@ -74,10 +75,12 @@ def lobatto(order):
 class Elements:
     """Elements between ``edges``, all of one ``order``; the edges are distances from a plane, or from a cylinder.
 
-    ``inner_radius``: of that cylinder, 0 for an axis, None for the plane. ``along``: whether the flow is along it.
+    ``inner_radius``: radius of the cylinder, 0 for an axis, None for a plane. ``along``: whether the flow is along it.
     """
 
-    def __init__(self, edges, order, inner_radius=None, along=False):
+    def __init__(
+        self, edges: np.ndarray, order: int, inner_radius: float | None | None = None, along: bool = False
+    ) -> None:
         self.edges = np.asarray(edges, dtype=float)
         self.order, self.count = order, len(self.edges) - 1
         self.points, self.weights, self.matrix = lobatto(order)
@@ -93,62 +96,62 @@ class Elements:
         self.mass = self.assembled(self.half_width * self.weights * self.radii**self.power)
         if self.inner_radius == 0.0:
             self.mass[0] = AXIS_MASS * self.mass[1]
-        self._places = np.empty(0), None, None
+        self._places: tuple[np.ndarray, Any, Any] = np.empty(0), None, None
 
-    def radius(self, y):
-        """Distance of ``y`` from the axis; 1 between planes."""
+    def radius(self, y: Any) -> np.ndarray:
+        """Return the distance of ``y`` from the axis; 1 between planes."""
         return np.ones(np.shape(y)) if self.inner_radius is None else self.inner_radius + np.asarray(y)
 
-    def lever(self, y):
-        """The velocity over the continuous field at ``y``."""
+    def lever(self, y: Any) -> np.ndarray:
+        """Return the ratio of the velocity to the continuous field at ``y``."""
         return self.radius(y) if self.power == 3 else np.ones(np.shape(y))
 
-    def shear_rate(self, field):
-        """lever d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
+    def shear_rate(self, field: np.ndarray) -> np.ndarray:
+        """Return lever d/dy (..., count, p + 1) of a continuous ``field`` (..., size)."""
         return field.take(self.nodes, axis=-1) @ self.matrix.T * (self.levers / self.half_width)
 
-    def weak_divergence(self, flux):
-        """d(r^power/lever flux)/dy/r^power (..., size) of ``flux`` (..., count, p + 1).
+    def weak_divergence(self, flux: np.ndarray) -> np.ndarray:
+        """Return d(r^power/lever flux)/dy/r^power (..., size) of ``flux`` (..., count, p + 1).
 
-        Tested with each node's function, and without what passes through the walls.
+        Weak form with the basis function of each node, without the flux through the walls.
         """
         return -self.assembled((self.fluxes * flux) @ self.matrix) / self.mass
 
-    def assembled(self, parts):
-        """Sums (..., size) of what elements (..., count, p + 1) give to each node."""
+    def assembled(self, parts: Any) -> np.ndarray:
+        """Return the sums (..., size) of the contributions of elements (..., count, p + 1) to each node."""
         whole = np.zeros((*parts.shape[:-2], self.size), dtype=parts.dtype)
         whole[..., :-1] = parts[..., :-1].reshape(*parts.shape[:-2], -1)
         whole[..., self.order :: self.order] += parts[..., -1]
         return whole
 
-    def stiffness(self, coefficient):
-        """Matrices (..., p + 1, p + 1) of each element, for a real coefficient (..., p + 1).
+    def stiffness(self, coefficient: np.ndarray) -> np.ndarray:
+        """Return the matrices (..., p + 1, p + 1) of -d/dy(r^power coefficient d/dy) in each element.
 
-        The operator is -d/dy(r^power coefficient d/dy).
+        ``coefficient`` (..., p + 1) is real.
         """
         scaled = coefficient * (self.radii**self.power * self.weights / self.half_width)
         return (scaled @ self._slopes).reshape(*coefficient.shape, -1)
 
-    def integral(self, field):
-        """Integrals over y (count, p + 1) from the first edge on of a field (count, p + 1)."""
+    def integral(self, field: np.ndarray) -> np.ndarray:
+        """Return the integrals over y (count, p + 1) from the first edge on of a field (count, p + 1)."""
         values = legendre.legvander(self.points, self.order)
         parts = legendre.legint(np.linalg.solve(values, field.T), lbnd=-1)
         own = self.half_width * legendre.legval(self.points, parts)
         return own + np.concatenate([[0.0], np.cumsum(own[:-1, -1])])[:, None]
 
-    def interpolated(self, field, y):
-        """Values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1); beyond an end that at the end."""
+    def interpolated(self, field: np.ndarray, y: Any) -> np.ndarray:
+        """Return values (..., heights) at ``y`` (heights,) of a field (..., count, p + 1), constant beyond the ends."""
         heights, element, matrix = self._places
         if not np.array_equal(heights, y):
             inside = np.clip(y, self.edges[0], self.edges[-1])
             element = np.clip(np.searchsorted(self.edges, inside, side="right") - 1, 0, self.count - 1)
             matrix = interpolation(self.points, (inside - self.edges[element]) / self.half_width[element, 0] - 1)
-            self._places = np.array(y), element, matrix  # many fields and times are asked for at the same heights
+            self._places = np.array(y), element, matrix  # many fields and times are evaluated at the same heights
         return np.einsum("...hi,hi->...h", field[..., element, :], matrix)
 
 
-def graded_edges(gap, finest, widest, ratio=3.0):
-    """Edges of elements on [0, gap], from ``finest`` at the walls, each ``ratio`` times the last, to ``widest``."""
+def graded_edges(gap: float, finest: float, widest: float, ratio: float = 3.0) -> np.ndarray:
+    """Return element edges on [0, gap]: widths grow from ``finest`` at the walls by ``ratio`` each, to ``widest``."""
     sizes = [finest]
     while sizes[-1] * ratio < widest and 2 * (sum(sizes) + sizes[-1] * ratio) < gap:
         sizes.append(sizes[-1] * ratio)
@@ -163,15 +166,16 @@ LARGEST_GROWTH, LEAST_GROWTH = 2.0, 0.2
 SAFETY = 0.85
 MOST_STEPS = 4_000
 ROUNDING = 10.0
-"""Of the tolerance: what may be left where Newton's method comes no nearer."""
+"""Largest residual, in tolerances, at which Newton's method may stall because of round-off."""
 
 
 @dataclass(frozen=True)
 class Method:
-    """``points`` (stages,) of a step, on (0, 1], and the ``matrix`` of integrals from 0 to each of their polynomial.
+    """Collocation at ``points`` (stages,) of a step, on (0, 1].
 
-    ``nodes``: 0 and the points, with their barycentric ``weights``; ``last``: what takes increments at the points to
-    their last Legendre coefficient.
+    ``matrix`` (stages, stages) integrates the polynomial through the points from 0 to each point. ``nodes``: 0 and the
+    points, with their barycentric ``weights``. ``last`` (stages,) maps increments at the points to their last Legendre
+    coefficient.
     """
 
     points: np.ndarray
@@ -182,8 +186,8 @@ class Method:
 
 
 @lru_cache
-def radau(stages):
-    """The Method of Radau's points."""
+def radau(stages: int) -> Method:
+    """Return the Method of Radau's points."""
     left, right = legendre.Legendre.basis(stages - 1), legendre.Legendre.basis(stages)
     x = np.sort((right - left).roots().real)
     x[-1] = 1.0
@@ -199,22 +203,24 @@ def radau(stages):
 
 
 class RadauSolution:
-    """The solution of ``equations`` from ``start`` (size,) at t = 0 on; as far as it has been asked for.
+    """The solution of ``equations`` from ``start`` (size,) at t = 0 on, computed up to the latest requested time.
 
-    More ``stages`` take longer steps, where the solution has as many derivatives and Newton's method goes as far.
-    ``equations`` has ``rates(states, forcing(times))`` with states (stages, size), ``scales(states)`` (size,), what 1
-    is in the tolerance, and ``jacobian(state, time)``, an object whose ``solver(shifts)`` solves (shift - J) x = b for
-    all shifts at once. Raises UnsolvedError where Newton's method finds no step of any length.
+    More ``stages`` take longer steps, if the solution is smooth enough and Newton's method converges. ``equations`` has
+    ``rates(states, forcing(times))`` with states (stages, size); ``scales(states)`` (size,), to which the tolerance is
+    relative; and ``jacobian(state, time)``, an object whose ``solver(shifts)`` solves (shift - J) x = b for all shifts
+    at once. Raises UnsolvedError where Newton's method finds no step of any length.
     """
 
-    def __init__(self, equations, start, first_step, tolerance, stages):
+    def __init__(self, equations: Any, start: np.ndarray, first_step: float, tolerance: float, stages: int) -> None:
         self.equations, self.tolerance, self.method = equations, tolerance, radau(stages)
-        self.begins, self.lengths, self.pieces = [], [], []
+        self.begins: list[float] = []
+        self.lengths: list[float] = []
+        self.pieces: list[np.ndarray] = []
         self.root, self.next_length, self.state = 0.0, first_step, np.array(start, dtype=float)
         self.largest = np.zeros(len(self.state))
 
-    def at(self, time):
-        """State (size,) at one ``time`` >= 0."""
+    def at(self, time: float) -> np.ndarray:
+        """Return the state (size,) at one ``time`` >= 0."""
         root = np.sqrt(time)
         while self.root < root or not self.pieces:
             self._step()
@@ -222,7 +228,7 @@ class RadauSolution:
         local = np.array([(root - self.begins[k]) / self.lengths[k]])
         return (interpolation(self.method.nodes, local, self.method.weights) @ self.pieces[k])[0]
 
-    def _step(self):
+    def _step(self) -> None:
         if len(self.pieces) >= MOST_STEPS:
             raise UnsolvedError(f"the reference came no further than t = {self.root**2:g} in {MOST_STEPS} steps")
         length, smooth, before = self.next_length, True, np.inf
@@ -249,18 +255,18 @@ class RadauSolution:
         self.state, self.root = self.state + found[-1], self.root + length
         self.next_length = length * min(max(factor, LEAST_GROWTH), LARGEST_GROWTH if smooth else 1.0)
 
-    def _stages(self, length, extrapolate):
-        """Increments (stages, size) of the stages of a step, None where Newton's method does not find them."""
+    def _stages(self, length: float, extrapolate: bool) -> np.ndarray | None:
+        """Return the increments (stages, size) of the stages of a step, None if Newton's method does not converge."""
         points, nodes = self.method.points, self.method.nodes
         roots = self.root + length * points
         inverse = np.linalg.inv(self.method.matrix * (2 * roots)) / length
         found = np.zeros((len(points), len(self.state)))
         if extrapolate and self.pieces:
             found = interpolation(nodes, 1 + points * length / self.lengths[-1]) @ self.pieces[-1] - self.state
-        with np.errstate(all="ignore"):  # what is no number is no step
+        with np.errstate(all="ignore"):  # a result that is not a number is rejected
             return self._newton(found, roots**2, inverse)
 
-    def _newton(self, found, times, inverse):
+    def _newton(self, found: np.ndarray, times: np.ndarray, inverse: np.ndarray) -> np.ndarray | None:
         values, vectors = np.linalg.eig(inverse)
         backwards = np.linalg.inv(vectors)
         kept = np.flatnonzero(values.imag >= 0)

@@ -3,10 +3,10 @@
     dv/dt = g + d/dy [ flux(rate) + sum S_xy(C) ],    dC/dt = law.rate_in_shear(C, rate),    rate = dv/dy + layer
 
 and around or along an axis as in ``_collocation.Elements``. The state is v at the nodes, then the components of C
-of each law at the points of each element. Derivatives of laws are taken by complex steps, which are exact to round-off.
+of each law at the points of each element. Derivatives of laws are computed by complex steps, exact to round-off.
 
-In a system (shift - J) x = b the C of each point follow from the shear rate there alone; put into the equation of v,
-they leave a banded matrix of v, however many modes there are.
+In a system (shift - J) x = b the C at each point depend on the shear rate there alone. Eliminating them leaves a banded
+matrix for v, however many modes there are.
 
 ``AnalyticLayer``, the shear of a solvent whose walls jump, is a closed form. Between planes it is the start-up flow Q
 of the solvent alone (``couette``). Around or along an axis the continuous field of the elements obeys dv/dt = nu
@@ -15,10 +15,12 @@ in the fluid, the plane flow between r = -R and R, which is even in r. It leaves
 
     nu h [(2 a + k/r) dQ/dr + (da/dr + a^2 + k a/r) Q],    a = (dh/dr)/h
 
-its drift, to the equation of the rest. That is as smooth as Q for h = r^(-k/2), a = -k/(2 r), which has no part with
-dQ/dr; and for h = (R^2 + r^2)^(-k/2), a = -k r/(R^2 + r^2), which is even in r, and where that part is 0 at the wall.
+its drift, in the equation of the remainder u - layer. The drift is as smooth as Q for h = r^(-k/2), a = -k/(2 r), which
+has no term with dQ/dr; and for h = (R^2 + r^2)^(-k/2), a = -k r/(R^2 + r^2), which is even in r, and whose term with
+dQ/dr is 0 at the wall.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -26,46 +28,49 @@ from typing import Any
 import numpy as np
 
 from tisph.exact import couette
+from tisph.exact._collocation import Elements
+from tisph.exact._fluids import STEP, Fluid, PolymerLaw, derivative
 
 
 class AnalyticLayer:
     """Layers at walls whose ``jumps``, triples (time, bottom, top), are in the unit of ``elements``' continuous field.
 
-    ``viscosity``: the kinematic one of the solvent. Nothing is felt of a jump at its very time, but of one at t = 0,
-    where the walls have started. ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
+    ``viscosity``: kinematic viscosity of the solvent. A jump has no effect at its own time, except at t = 0, where the
+    walls have their new velocities. ``shear_rates`` and ``drift`` have clocks that start at ``begin``.
     """
 
-    def __init__(self, elements, jumps, viscosity, begin=0.0):
+    def __init__(self, elements: Elements, jumps: Any, viscosity: float, begin: float = 0.0) -> None:
         self.begin, self.all = begin, jumps
         self.elements, self.viscosity = elements, viscosity
         self.jumps = [(time, *both) for time, *both in jumps if any(both)]
         self.gap, self.axis = float(elements.edges[-1]), elements.inner_radius == 0.0
 
-    def later(self, begin):
-        """The layers of the jumps up to ``begin``, on a clock that starts then."""
+    def later(self, begin: float) -> "AnalyticLayer":
+        """Return the layers of the jumps up to ``begin``, on a clock that starts then."""
         return AnalyticLayer(self.elements, [jump for jump in self.all if jump[0] <= begin], self.viscosity, begin)
 
-    def field(self, y, t):
-        """The continuous field: the velocity along the walls, or the angular one around the axis."""
+    def field(self, y: Any, t: Any) -> np.ndarray:
+        """Return the continuous field: the velocity along the walls, or the angular velocity around the axis."""
         return self._factor(y)[0] * self._summed(couette.velocity, y, t)
 
-    def shear_rate(self, y, t):
-        """Shear rate lever d(field)/dy."""
+    def shear_rate(self, y: Any, t: Any) -> np.ndarray:
+        """Return the shear rate lever d(field)/dy."""
         factor, slope, _ = self._factor(y)
         rate = self._summed(couette.shear_rate, y, t)
         if self.elements.power:
             rate = rate + slope * self._summed(couette.velocity, y, t)
         return self.elements.lever(y) * factor * rate
 
-    def _factor(self, y):
-        """h, a and da/dr."""
+    def _factor(self, y: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return h, a and da/dr."""
         k, r = self.elements.power, self.elements.radius(y)
         if self.axis:
             squares = self.gap**2 + r * r
             return squares ** (-k / 2), -k * r / squares, -k * (self.gap**2 - r * r) / squares**2
         return r ** (-k / 2), -k / (2 * r), k / (2 * r * r)
 
-    def _summed(self, profile, y, t):
+    def _summed(self, profile: Callable, y: Any, t: Any) -> np.ndarray:
+        """Return the sum over all jumps of Q or dQ/dr, the plane start-up ``profile``."""
         total = np.zeros(np.broadcast_shapes(np.shape(y), np.shape(t)))
         for time, *both in self.jumps:
             if time == 0.0 or time < np.min(t):
@@ -76,19 +81,19 @@ class AnalyticLayer:
                 total = total + profile(y + self.gap * self.axis, t - time, **flow)
         return total
 
-    def shear_rates(self, times):
-        """Shear rate (times, count, p + 1) at the points of the elements."""
+    def shear_rates(self, times: np.ndarray) -> np.ndarray:
+        """Return the shear rate (times, count, p + 1) at the points of the elements."""
         if not self.jumps:
             return np.zeros((len(times), *self.elements.y.shape))
         return self.shear_rate(self.elements.y, self.begin + times[:, None, None])
 
-    def drift(self, times):
-        """Rate of the continuous field (times, size) that the layer leaves to the rest; 0.0 between planes."""
+    def drift(self, times: np.ndarray) -> np.ndarray | float:
+        """Return the layer's drift (times, size) in the equation of the remainder; 0.0 between planes."""
         if not (self.jumps and self.elements.power):
             return 0.0
         y, t = self.elements.node_positions, self.begin + times[:, None]
         factor, slope, bend = self._factor(y)
-        # on the axis, which has no mass, any finite number will do
+        # on the axis, which has no mass, the number has no effect, but must be finite
         curvature = self.elements.power / np.maximum(self.elements.radius(y), 1e-100)
         drift = (bend + slope * (slope + curvature)) * self._summed(couette.velocity, y, t)
         if self.axis:
@@ -96,8 +101,8 @@ class AnalyticLayer:
         return self.viscosity * factor * drift
 
 
-def jump(wall, time):
-    """By how much the velocity of a wall that has changes jumps at one of them."""
+def jump(wall: Any, time: float) -> float:
+    """Return the jump of the velocity of a wall at the ``time``."""
     return 0.0 if wall.stress_controlled else float(wall.after(time).velocity(time) - wall.velocity(time))
 
 
@@ -109,25 +114,22 @@ class ShiftedWall:
     begin: float
 
     @property
-    def stress_controlled(self):
+    def stress_controlled(self) -> bool:
         return self.wall.stress_controlled
 
     @property
-    def mass_per_area(self):
+    def mass_per_area(self) -> float:
         return self.wall.mass_per_area
 
-    def acceleration(self, t):
+    def acceleration(self, t: Any) -> np.ndarray:
         return self.wall.acceleration(self.begin + t)
 
-    def stress(self, t):
+    def stress(self, t: Any) -> np.ndarray:
         return self.wall.stress(self.begin + t)
 
 
-STEP = 1e-30
-"""Complex step: no difference is taken, so that it may be as small as one likes."""
-
 NEGLIGIBLE = 1e-12
-"""Of the largest component of C: what is smaller counts as zero in the tolerance."""
+"""Fraction of the largest component of C below which a component counts as zero in the tolerance."""
 
 
 class Equations:
@@ -135,15 +137,23 @@ class Equations:
 
     ``drive(times)``: the acceleration g.
 
-    Walls that are ``stress_controlled`` (``geometry/motion.py``) have ``stress(t)`` and ``mass_per_area``
-    per unit density instead: their mass is added to that of their node, which obeys the weak form of the momentum
-    equation as all others do.
+    Walls that are ``stress_controlled`` (``geometry/motion.py``) have ``stress(t)`` and ``mass_per_area`` per unit
+    density instead: the mass of the wall is added to the mass of its node, which obeys the weak form of the momentum
+    equation like all others.
 
-    ``layer``: an ``AnalyticLayer``. ``speed`` is what 1 of the velocity is in the tolerance, at least. ``mass``
-    (nodes,): of each node with the plate on it.
+    ``layer``: an ``AnalyticLayer``. ``speed``: least velocity to which the tolerance is relative. ``mass`` (nodes,):
+    mass of each node, with its wall if that is stress-controlled.
     """
 
-    def __init__(self, elements, fluid, walls, drive, layer, speed):
+    def __init__(
+        self,
+        elements: Elements,
+        fluid: Fluid,
+        walls: Sequence,
+        drive: Callable,
+        layer: AnalyticLayer,
+        speed: float,
+    ) -> None:
         self.elements, self.fluid, self.layer = elements, fluid, layer
         self.walls = dict(zip((0, elements.size - 1), walls, strict=True))
         self.drive, self.speed = drive, speed
@@ -159,23 +169,26 @@ class Equations:
         self.parts = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self.size = int(ends[-1])
 
-    def conformation_excess(self, states):
-        """List of C (components, ..., count, p + 1) of each law, of ``states`` (..., size)."""
+    def conformation_excess(self, states: np.ndarray) -> list[np.ndarray]:
+        """Return C (components, ..., count, p + 1) of each law, in ``states`` (..., size)."""
         shape = (*states.shape[:-1], -1, *self.elements.y.shape)
         return [np.moveaxis(states[..., part].reshape(shape), -3, 0) for part in self.parts]
 
-    def shear_rate(self, states, times):
-        """Shear rate (times, count, p + 1)."""
+    def shear_rate(self, states: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Return the shear rate (times, count, p + 1)."""
         return self.elements.shear_rate(states[..., : self.elements.size]) + self.layer.shear_rates(times)
 
-    def stress(self, conformation_excess, rate):
-        """Shear stress of solvent and laws together."""
+    def stress(self, conformation_excess: list[np.ndarray], rate: np.ndarray) -> np.ndarray:
+        """Return the shear stress of solvent and laws together."""
         return self.fluid.flux(rate) + sum(
             law.stress(c)[1] for law, c in zip(self.fluid.laws, conformation_excess, strict=True)
         )
 
-    def forcing(self, times):
-        """What drives the flow at ``times`` (times,), whatever its state is: shear rates of the layer, and rates."""
+    def forcing(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the terms that do not depend on the state at ``times`` (times,).
+
+        The shear rates (times, count, p + 1) of the layer, and the rates of v (times, nodes).
+        """
         rates = (self.drive(times)[:, None] + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
             if wall.stress_controlled:
@@ -184,15 +197,15 @@ class Equations:
                 rates[:, place] += wall.acceleration(times)
         return self.layer.shear_rates(times), rates
 
-    def rates(self, states, forcing):
-        """dX/dt, shape of ``states`` (times, size), with ``forcing`` at those times."""
+    def rates(self, states: np.ndarray, forcing: tuple[Any, Any]) -> np.ndarray:
+        """Return dX/dt (times, size) of ``states`` (times, size), with the ``forcing`` at the same times."""
         layer, own = forcing
         result = np.empty_like(states)
         whole, conformation_excess = (
             self.elements.shear_rate(states[:, : self.elements.size]) + layer,
             self.conformation_excess(states),
         )
-        # the flux of ``layer`` through the solvent is balanced by its own inertia, but for the drift, where one is
+        # the inertia of ``layer`` balances its flux through the solvent, except for the drift
         flux = self.stress(conformation_excess, whole) - self.fluid.layer_flux(layer)
         result[:, : self.elements.size] = own + self.elements.weak_divergence(flux) * self.share
         for law, c, part in zip(self.fluid.laws, conformation_excess, self.parts, strict=True):
@@ -200,8 +213,8 @@ class Equations:
             result[:, part] = change.reshape(len(states), -1)
         return result
 
-    def scales(self, states):
-        """Largest magnitudes (size,) of v and of each component of C in ``states`` (stages, size)."""
+    def scales(self, states: np.ndarray) -> np.ndarray:
+        """Return the largest magnitudes (size,) of v and of each component of C in ``states`` (stages, size)."""
         result = np.empty(self.size)
         result[: self.elements.size] = max(self.speed, np.abs(states[:, : self.elements.size]).max())
         for c, part in zip(self.conformation_excess(states), self.parts, strict=True):
@@ -210,22 +223,22 @@ class Equations:
             result[part] = np.repeat(np.maximum(largest, floor), self.elements.y.size)
         return result
 
-    def jacobian(self, state, time):
-        """Jacobian at ``state`` (size,) and ``time``; None where it is not a number."""
+    def jacobian(self, state: np.ndarray, time: float) -> "Jacobian | None":
+        """Return the Jacobian at ``state`` (size,) and ``time``; None if it is not finite."""
         rate = self.shear_rate(state[None], np.array([time]))[0]
         local = [
             _derivatives(law, c, rate) for law, c in zip(self.fluid.laws, self.conformation_excess(state), strict=True)
         ]
-        flux = np.broadcast_to(np.imag(self.fluid.flux(rate + 1j * STEP)) / STEP, rate.shape)
+        flux = np.broadcast_to(derivative(self.fluid.flux, rate), rate.shape)
         if not all(np.isfinite(part).all() for part in (flux, *(part for parts in local for part in parts))):
             return None
         return Jacobian(self, flux, local)
 
 
-def _derivatives(law, c, rate):
-    """Of one law: d(dC/dt)/dC (m, m, ...), d(dC/dt)/drate (m, ...) and dS_xy/dC (m, ...), by complex steps."""
+def _derivatives(law: PolymerLaw, c: Any, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return d(dC/dt)/dC (m, m, ...), d(dC/dt)/drate (m, ...) and dS_xy/dC (m, ...) of a law, by complex steps."""
 
-    def slopes(function, *arguments):
+    def slopes(function: Callable, *arguments: Any) -> np.ndarray:
         parts = function(*arguments)
         return np.stack([np.broadcast_to(np.imag(part) / STEP, rate.shape) for part in parts])
 
@@ -237,10 +250,10 @@ def _derivatives(law, c, rate):
     return np.stack(by_c, axis=1), slopes(law.rate_in_shear, tuple(c), rate + 1j * STEP), np.stack(shear)
 
 
-def _inverses(matrices):
-    """Inverses of ``matrices`` (m, m, ...), by Gauss and Jordan, all at once; they are small.
+def _inverses(matrices: np.ndarray) -> np.ndarray:
+    """Return the inverses of small ``matrices`` (m, m, ...) by Gauss-Jordan elimination without pivoting.
 
-    Without pivots: what is lost to round-off here makes Newton's method slower, not its result another.
+    Round-off errors in them slow Newton's method down, but do not change its result.
     """
     result = matrices.copy()
     for k in range(len(result)):
@@ -257,18 +270,18 @@ def _inverses(matrices):
 
 
 class Jacobian:
-    """d(dX/dt)/dX; ``flux`` is d(flux)/drate (count, p + 1), ``local`` what ``_derivatives`` gives for each law."""
+    """d(dX/dt)/dX; ``flux``: d(flux)/drate (count, p + 1); ``local``: the ``_derivatives`` of each law."""
 
-    def __init__(self, equations, flux, local):
+    def __init__(self, equations: Any, flux: np.ndarray, local: list) -> None:
         self.equations, self.elements = equations, equations.elements
         self.flux, self.local = flux, local
 
-    def solver(self, shifts):
-        """A function that solves (shift - J) x = b for each of ``shifts`` (k,) and rows of complex b (k, size)."""
+    def solver(self, shifts: np.ndarray) -> Callable:
+        """Return a function that solves (shift - J) x = b for ``shifts`` (k,) and the rows of complex b (k, size)."""
         from scipy.linalg.lapack import zgbtrf, zgbtrs
 
         elements, order = self.elements, self.elements.order
-        # points' own answers: C = inverse b_C + by_rate dv/dy, of which the shear stress takes ``pull``
+        # elimination of C at each point: C = inverse b_C + by_rate dv/dy; ``pull`` b_C is the shear stress of the first
         points, coefficient = [], np.broadcast_to(self.flux, (len(shifts), *self.flux.shape))
         for part, (by_c, by_rate, shear) in zip(self.equations.parts, self.local, strict=True):
             unit = np.eye(len(by_c))[:, :, None, None, None]
@@ -279,7 +292,7 @@ class Jacobian:
             points.append((part, inverse, pull, by_rate))
         factors = [zgbtrf(one.T, order, order, overwrite_ab=True)[:2] for one in self._banded(shifts, coefficient)]
 
-        def solve(b):
+        def solve(b: np.ndarray) -> np.ndarray:
             result = np.empty_like(b)
             shape = (len(b), -1, *elements.y.shape)
             flux = sum(np.einsum("mkeq,kmeq->keq", pull, b[:, part].reshape(shape)) for part, _, pull, _ in points)
@@ -298,10 +311,10 @@ class Jacobian:
 
         return solve
 
-    def _banded(self, shifts, coefficient):
-        """shift * mass + stiffness (k, size, 3 p + 1): columns of LAPACK's banded storage, one after the other.
+    def _banded(self, shifts: np.ndarray, coefficient: np.ndarray) -> np.ndarray:
+        """Return shift * mass + stiffness (k, size, 3 p + 1) as successive columns of LAPACK's banded storage.
 
-        Where a wall's velocity is given, that is its own.
+        The row of a wall with a given velocity has only its diagonal element.
         """
         elements, order = self.elements, self.elements.order
         matrices = np.empty((*coefficient.shape, order + 1), dtype=complex)
@@ -309,7 +322,7 @@ class Jacobian:
         matrices[:, 0, 0] *= self.equations.free[0]
         matrices[:, -1, -1] *= self.equations.free[-1]
         joint = matrices[:, :-1, -1, -1] + matrices[:, 1:, 0, 0]
-        matrices[:, :-1, -1, -1] = matrices[:, 1:, 0, 0] = joint  # both elements put it into the same place
+        matrices[:, :-1, -1, -1] = matrices[:, 1:, 0, 0] = joint  # both elements write to the same place
         band = np.zeros((len(shifts), elements.size, 3 * order + 1), dtype=complex)
         inner = band.reshape(len(shifts), -1)[:, 2 * order :]
         whole, one = inner.strides

@@ -1,12 +1,12 @@
 """Lid-driven cavity, steady: tables for the lid of one speed, and a spectral solution for the regular lid.
 
-The lid y = height moves along x, as a whole or, ``RegularCavity``, with U 16 X^2 (1 - X)^2, X = x/width, which leaves
-the corners at rest. Re = U width/nu. The other walls are at rest.
+The lid y = height moves along x with the same speed U everywhere or, ``RegularCavity``, with U 16 X^2 (1 - X)^2, X =
+x/width, with which the corners are at rest. Re = U width/nu. The other walls are at rest.
 
 Tables, of the square cavity: C. H. Marchi, R. Suero and L. K. Araki, J. Braz. Soc. Mech. Sci. Eng. 31 (2009) 186-198
 (Re = 100, 400, 1000); O. Botella and R. Peyret, Computers & Fluids 27 (1998) 421-433, tables 9 and 10 (Re = 1000); the
-extremes at Re = 400 by finite elements of our own. Those of U. Ghia, K. N. Ghia and C. T. Shin (1982) are left out: off
-by 3e-3 at Re = 100, and with a misprint at 400.
+extremes at Re = 400 by finite elements of our own. The tables of U. Ghia, K. N. Ghia and C. T. Shin (1982) are not
+used: their error is 3e-3 at Re = 100, and there is a misprint at 400.
 
 Accuracy of the regular lid at order 36, against order 48, in units of U: stream function 1e-9, velocity 1e-7 (2e-8 on
 the centre lines) at Re = 1 and 100; 5e-9 and 4e-7 at Re = 400, against order 40.
@@ -30,26 +30,27 @@ import csv
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
 NEWTON_STEPS = 20
 TOLERANCE = 1e-9
-"""Of the last step of Newton's method, in units of the lid's speed and the width; the error is about its square."""
+"""Largest last step of Newton's method, in units of the lid's speed and the width; the error is about its square."""
 
 FIRST_REYNOLDS, GROWTH = 100.0, 2.0
-"""Newton's method starts from Stokes flow, and goes to Reynolds numbers above the first by this factor at a time."""
+"""Newton's method starts from Stokes flow; above the first Reynolds number it continues in steps of this factor."""
 
 LID = Polynomial([0.0, 0.0, 16.0, -32.0, 16.0])
-"""Velocity 16 x^2 (1 - x)^2 of the regular lid, over its largest, in the middle."""
+"""Velocity 16 x^2 (1 - x)^2 of the regular lid over its maximum, in the middle."""
 
 
 @lru_cache(maxsize=8)
-def stream_function(reynolds, aspect, order):
-    """Legendre coefficients (order + 1, order + 1) of psi over X and Z; ``aspect`` a = height/width.
+def stream_function(reynolds: float, aspect: float, order: int) -> np.ndarray:
+    """Return the Legendre coefficients (order + 1, order + 1) of psi over X and Z; ``aspect`` a = height/width.
 
-    ValueError where Newton's method does not converge: Re is too large for the order.
+    ValueError if Newton's method does not converge: Re is too large for the order.
     """
     equations = _Equations(aspect, order)
     stages = [reynolds]
@@ -57,23 +58,20 @@ def stream_function(reynolds, aspect, order):
         stages.append(stages[-1] / GROWTH)
     c = np.zeros((order - 3) ** 2)
     for stage in reversed(stages):
-        c = _newton(equations, c, stage)
+        for _ in range(NEWTON_STEPS):
+            step = np.linalg.solve(*equations.linearised(c, stage))
+            c = c - step
+            if np.abs(step).max() <= TOLERANCE:
+                break
+        else:
+            raise ValueError(f"no steady flow was found at Re = {stage:g}: take a higher order, or a smaller Re")
     return equations.coefficients(c)
-
-
-def _newton(equations, c, reynolds):
-    for _ in range(NEWTON_STEPS):
-        step = np.linalg.solve(*equations.linearised(c, reynolds))
-        c = c - step
-        if np.abs(step).max() <= TOLERANCE:
-            return c
-    raise ValueError(f"no steady flow was found at Re = {reynolds:g}: take a higher order, or a smaller Re")
 
 
 class _Equations:
     """The weak form for all phi = f_k f_l as one vector, and its derivatives; integrals by Gauss's quadrature."""
 
-    def __init__(self, aspect, order):
+    def __init__(self, aspect: float, order: int) -> None:
         self.aspect = aspect
         self.basis = _clamped(order)
         node, weight = legendre.leggauss(order + 5)  # exact for lap psi lap phi with the lift
@@ -87,8 +85,8 @@ class _Equations:
         self.weight = np.outer(weight, weight).ravel()
         self.viscous = self.lap.T @ (self.weight[:, None] * self.lap)
 
-    def linearised(self, c, reynolds):
-        """Return the derivatives (n, n) of the equations over the coefficients ``c`` (n,), and the equations (n,)."""
+    def linearised(self, c: np.ndarray, reynolds: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the Jacobian (n, n) of the equations at the coefficients ``c`` (n,), and their residuals (n,)."""
         x, y, lap = self.x @ c + self.lift_x, self.y @ c + self.lift_y, self.lap @ c + self.lift_lap
         x, y, weighted = self.weight * x, self.weight * y, self.weight * lap
         equations = self.lap.T @ (weighted / reynolds) + self.x.T @ (lap * y) - self.y.T @ (lap * x)
@@ -96,7 +94,7 @@ class _Equations:
         slopes -= self.y.T @ (x[:, None] * self.lap + weighted[:, None] * self.x)
         return slopes + self.viscous / reynolds, equations
 
-    def coefficients(self, c):
+    def coefficients(self, c: np.ndarray) -> np.ndarray:
         """Return the Legendre coefficients of psi."""
         count = self.basis.shape[1]
         total = self.basis @ c.reshape(count, count) @ self.basis.T
@@ -105,14 +103,14 @@ class _Equations:
         total[: len(profile), : len(height)] += self.aspect * np.outer(profile, height)
         return total
 
-    def _lift(self, i, j):
+    def _lift(self, i: int, j: int) -> np.ndarray:
         """Return d^(i + j)/dx^i dy^j of the first part of psi at the points of the quadrature."""
         height = Polynomial([0.0, 0.0, -1.0, 1.0]).deriv(j)(self.place)
         return np.outer(LID.deriv(i)(self.place), height).ravel() * self.aspect ** (1 - j)
 
 
-def _clamped(order):
-    """Legendre coefficients (order + 1, order - 3) of the functions f_k, scaled so that int f_k''^2 = 1."""
+def _clamped(order: int) -> np.ndarray:
+    """Return the Legendre coefficients (order + 1, order - 3) of the functions f_k, scaled so that int f_k''^2 = 1."""
     k = np.arange(order - 3)
     scale = 1 / np.sqrt(2 * (2 * k + 3) ** 2 * (2 * k + 5))
     basis = np.zeros((order + 1, order - 3))
@@ -127,7 +125,7 @@ TABLES = Path(__file__).with_name("_cavity_tables.csv")
 
 @dataclass(frozen=True)
 class CentreLine:
-    """Velocity ``value`` (n,) over U at the ``coordinate`` (n,) over the width, as ``source`` has it.
+    """Velocity ``value`` (n,) over U at the ``coordinate`` (n,) over the width, from ``source``.
 
     ``component`` u: along x, on x = 1/2, over y; v: along y, on y = 1/2, over x.
     """
@@ -138,8 +136,8 @@ class CentreLine:
     value: np.ndarray
 
 
-def centre_lines(reynolds):
-    """The tabulated ``CentreLine`` s at a Reynolds number; ValueError where there is none."""
+def centre_lines(reynolds: float) -> list[CentreLine]:
+    """Return the tabulated centre lines at a Reynolds number; ValueError if there is none."""
     rows = _rows(reynolds)
     pairs = dict.fromkeys((row["source"], row["quantity"]) for row in rows if row["quantity"] in ("u", "v"))
     lines = []
@@ -150,8 +148,8 @@ def centre_lines(reynolds):
     return lines
 
 
-def extremes(reynolds):
-    """Smallest u on x = 1/2, smallest and largest v on y = 1/2 over U: ``u_min``, ``v_min``, ``v_max``.
+def extremes(reynolds: float) -> dict[str, float]:
+    """Return the smallest u on x = 1/2, smallest and largest v on y = 1/2 over U: ``u_min``, ``v_min``, ``v_max``.
 
     At Re = 1000 also ``psi_min``, of the stream function over U width. ValueError for an untabulated Reynolds number.
     """
@@ -159,7 +157,7 @@ def extremes(reynolds):
     return {row["quantity"]: float(row["value"]) for row in rows if row["quantity"] not in ("u", "v")}
 
 
-def _rows(reynolds):
+def _rows(reynolds: float) -> list[dict[str, str]]:
     with TABLES.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     tabulated = sorted({float(row["reynolds"]) for row in rows})
@@ -173,7 +171,8 @@ def _rows(reynolds):
 class RegularCavity:
     """Flow in 0 <= x <= ``width``, 0 <= y <= ``height`` under the regular lid, whose middle has ``speed``.
 
-    ``order``: degree of the polynomials. Solved when first asked for: seconds. ValueError where that finds no flow.
+    ``order``: degree of the polynomials. The solution is computed at first use, in seconds. ValueError if Newton's
+    method does not converge.
     """
 
     width: float
@@ -183,29 +182,29 @@ class RegularCavity:
     order: int = 36
 
     @property
-    def reynolds(self):
+    def reynolds(self) -> float:
         """speed width/kinematic viscosity."""
         return self.speed * self.width / self.kinematic_viscosity
 
-    def lid(self, x):
-        """Velocity of the lid at ``x``."""
+    def lid(self, x: Any) -> np.ndarray:
+        """Return the velocity of the lid at ``x``."""
         return self.speed * LID(np.asarray(x, dtype=float) / self.width)
 
-    def stream_function(self, x, y):
-        """Stream function psi, 0 at the walls, of the broadcast shape of ``x`` and ``y``."""
+    def stream_function(self, x: Any, y: Any) -> np.ndarray:
+        """Return the stream function psi, 0 at the walls, of the broadcast shape of ``x`` and ``y``."""
         return self.speed * self.width * self._at(x, y, self._psi)
 
-    def velocity(self, x, y):
-        """Velocity components (u, v) = (dpsi/dy, -dpsi/dx), each of the broadcast shape of ``x`` and ``y``."""
+    def velocity(self, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocity (u, v) = (dpsi/dy, -dpsi/dx), each of the broadcast shape of ``x`` and ``y``."""
         return self.speed * self._at(x, y, self._slope(1)), -self.speed * self._at(x, y, self._slope(0))
 
-    def vorticity(self, x, y):
-        """Vorticity dv/dx - du/dy (1/time), positive where the fluid turns counterclockwise."""
+    def vorticity(self, x: Any, y: Any) -> np.ndarray:
+        """Return the vorticity dv/dx - du/dy (1/time)."""
         bends = [self._at(x, y, self._slope(axis, 2)) for axis in (0, 1)]
         return -self.speed / self.width * (bends[0] + bends[1])
 
-    def extremes(self):
-        """As the function ``extremes``, over U and U width, on the lines through the middle."""
+    def extremes(self) -> dict[str, float]:
+        """Return the numbers of the function ``extremes``, over U and U width, on the lines through the middle."""
         u = self._along_line(self._slope(1), 1)
         v = -self._along_line(self._slope(0), 0)
         return {
@@ -216,40 +215,44 @@ class RegularCavity:
         }
 
     @property
-    def _aspect(self):
+    def _aspect(self) -> float:
         return self.height / self.width
 
     @cached_property
-    def _psi(self):
+    def _psi(self) -> np.ndarray:
         return stream_function(self.reynolds, self._aspect, self.order)
 
-    def _slope(self, axis, times=1):
-        """Coefficients of a derivative of psi along ``axis``, in units of the width."""
+    def _slope(self, axis: int, times: int = 1) -> np.ndarray:
+        """Return the coefficients of a derivative of psi along ``axis``, in units of the width."""
         return legendre.legder(self._psi, times, axis=axis) * (2 / (1.0, self._aspect)[axis]) ** times
 
-    def _at(self, x, y, coefficients):
+    def _at(self, x: Any, y: Any, coefficients: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         return legendre.legval2d(2 * x / self.width - 1, 2 * y / self.height - 1, coefficients)
 
     @staticmethod
-    def _along_line(coefficients, axis):
-        """Coefficients along ``axis`` on the line through the middle of the other one."""
+    def _along_line(coefficients: np.ndarray, axis: int) -> np.ndarray:
+        """Return the coefficients along ``axis`` on the line through the middle of the other axis."""
         return legendre.legval(0.0, np.moveaxis(coefficients, axis, -1))
 
-    def _least_psi(self):
-        """Newton's method for the place where both derivatives vanish, from the least of a grid's values."""
+    def _least_psi(self) -> float:
+        """Return the minimum of psi by Newton's method, from the smallest value on a grid."""
         grid = np.linspace(-1.0, 1.0, 101)
         values = legendre.leggrid2d(grid, grid, self._psi)
-        place = grid[list(np.unravel_index(np.argmin(values), values.shape))]
+        place: Any = grid[list(np.unravel_index(np.argmin(values), values.shape))]
         first = [legendre.legder(self._psi, axis=axis) for axis in (0, 1)]
         second = [[legendre.legder(one, axis=axis) for axis in (0, 1)] for one in first]
+
+        def at(coefficients: np.ndarray) -> Any:
+            return legendre.legval2d(place[0], place[1], coefficients)
+
         for _ in range(10):
-            slope = np.array([legendre.legval2d(*place, one) for one in first])
-            place = place - np.linalg.solve([[legendre.legval2d(*place, one) for one in row] for row in second], slope)
-        return float(legendre.legval2d(*place, self._psi))
+            slope, bends = np.array([at(one) for one in first]), [[at(one) for one in row] for row in second]
+            place = place - np.linalg.solve(bends, slope)
+        return float(at(self._psi))
 
 
-def _extreme_values(coefficients):
+def _extreme_values(coefficients: np.ndarray) -> np.ndarray:
     """Return the values at the ends and where the derivative vanishes between them."""
     roots = legendre.legroots(legendre.legder(coefficients))
     inside = roots.real[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) < 1)]

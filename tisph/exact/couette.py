@@ -20,6 +20,8 @@ Both forms converge at every time; the images, half-space solutions reflected in
 """
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -31,30 +33,31 @@ SWITCH_TIME = 0.1
 EXPONENT = 38.5
 
 
-def erfc(x):
-    """The complementary error function of an array, 0 where it is below double rounding of 1.
+def erfc(x: Any) -> np.ndarray:
+    """Return the complementary error function of an array, 0 where it is below double rounding of 1.
 
-    SciPy, which has one too, takes a fifth of a second to import, so that it is imported where nothing else will do.
+    SciPy has it, too, but takes a fifth of a second to import.
     """
-    result, matters = np.zeros(x.shape), ~(x * np.abs(x) >= EXPONENT)  # what is no number stays none
+    result, matters = np.zeros(x.shape), ~(x * np.abs(x) >= EXPONENT)  # NaN stays NaN
     result[matters] = np.fromiter(map(math.erfc, x[matters].tolist()), float)
     return result
 
 
-def dimensionless(y, t, gap, kinematic_viscosity):
-    """Broadcast pair (y/gap, nu t/gap^2) as float arrays. Raises ValueError for a negative time."""
+def dimensionless(y: Any, t: Any, gap: float, kinematic_viscosity: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the broadcast pair (y/gap, nu t/gap^2) as float arrays. Raises ValueError for a negative time."""
     eta = np.asarray(y, dtype=float) / gap
     diffusion_time = kinematic_viscosity * np.asarray(t, dtype=float) / gap**2
     if np.any(diffusion_time < 0):
         raise ValueError("this flow starts at t = 0: it is defined for t >= 0 only")
-    return np.broadcast_arrays(eta, diffusion_time)
+    eta, diffusion_time = np.broadcast_arrays(eta, diffusion_time)
+    return eta, diffusion_time
 
 
-def select(forms, eta, diffusion_time):
-    """Evaluate (start, early, late) = ``forms`` each where it holds; a scalar for scalar arguments.
+def select(forms: tuple[Callable, ...], eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
+    """Evaluate each of the ``forms`` (start, early, late) in its range of times; a scalar for scalar arguments.
 
-    ``start`` is called at t* = 0, ``early`` up to ``SWITCH_TIME``, ``late`` after it, each with the pairs
-    (eta, t*) that are its own as arrays of shape (pairs,).
+    ``start`` is called at t* = 0, ``early`` up to ``SWITCH_TIME``, ``late`` after it, each with the pairs (eta, t*) in
+    its range as arrays of shape (pairs,).
     """
     at_start = diffusion_time == 0
     early = ~at_start & (diffusion_time <= SWITCH_TIME)
@@ -66,18 +69,18 @@ def select(forms, eta, diffusion_time):
     return result[()]
 
 
-def series_terms(diffusion_time):
-    """Numbers n of the terms sin(n pi eta) exp(-n^2 pi^2 t*) that matter at any of the times."""
+def series_terms(diffusion_time: np.ndarray) -> range:
+    """Return the numbers n of the terms sin(n pi eta) exp(-n^2 pi^2 t*) that are above rounding at any of the times."""
     return range(1, 1 + int(np.ceil(np.sqrt(EXPONENT / diffusion_time.min()) / np.pi)))
 
 
-def image_distances(diffusion_time):
-    """Odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
+def image_distances(diffusion_time: np.ndarray) -> range:
+    """Return odd distances 2k+1: the next image, at least 2k+2 from any eta <= 1, adds less than rounding error."""
     return range(1, 2 + 2 * int(np.ceil(np.sqrt(EXPONENT * diffusion_time.max()))), 2)
 
 
-def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """Velocity u(y, t) along the walls, by the form that converges fastest, to 1e-15 of the wall speed.
+def velocity(y: Any, t: Any, *, gap: float, kinematic_viscosity: float, bottom: float, top: float) -> np.ndarray:
+    """Return the velocity u(y, t) along the walls, by the form that converges fastest, to 1e-15 of the wall speed.
 
     ``t >= 0``; at t = 0 the fluid is at rest and y = 0 and y = gap already have their wall's velocity.
     ``bottom`` and ``top`` are the wall velocities. Raises ValueError for a negative time.
@@ -90,8 +93,8 @@ def velocity(y, t, *, gap, kinematic_viscosity, bottom, top):
     return (by_top + by_bottom + np.zeros_like(eta))[()]
 
 
-def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
-    """Velocity gradient du/dy (1/time), by the form that converges fastest.
+def shear_rate(y: Any, t: Any, *, gap: float, kinematic_viscosity: float, bottom: float, top: float) -> np.ndarray:
+    """Return the velocity gradient du/dy (1/time), by the form that converges fastest.
 
     ``t >= 0``; at t = 0 it is 0 in the fluid and infinite at a wall that moves. Otherwise as ``velocity``.
     """
@@ -103,7 +106,7 @@ def shear_rate(y, t, *, gap, kinematic_viscosity, bottom, top):
     return (top * at_top - bottom * at_bottom + np.zeros_like(eta))[()] / gap
 
 
-def _series_velocity(eta, diffusion_time):
+def _series_velocity(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     total = eta.copy()
     for n in series_terms(diffusion_time):
         decay = np.exp(-((n * np.pi) ** 2) * diffusion_time)
@@ -111,7 +114,7 @@ def _series_velocity(eta, diffusion_time):
     return total
 
 
-def _image_velocity(eta, diffusion_time):
+def _image_velocity(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     width = 2 * np.sqrt(diffusion_time)
     total = np.zeros_like(eta)
     for distance in image_distances(diffusion_time):
@@ -119,14 +122,14 @@ def _image_velocity(eta, diffusion_time):
     return total
 
 
-def _series_gradient(eta, diffusion_time):
+def _series_gradient(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     total = np.ones_like(eta)
     for n in series_terms(diffusion_time):
         total += (-1) ** n * 2 * np.cos(n * np.pi * eta) * np.exp(-((n * np.pi) ** 2) * diffusion_time)
     return total
 
 
-def _image_gradient(eta, diffusion_time):
+def _image_gradient(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     width = 2 * np.sqrt(diffusion_time)
     total = np.zeros_like(eta)
     for distance in image_distances(diffusion_time):
@@ -134,11 +137,11 @@ def _image_gradient(eta, diffusion_time):
     return 2 / np.sqrt(np.pi) / width * total
 
 
-def _start_velocity(eta, diffusion_time):
+def _start_velocity(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     return np.where(eta >= 1, 1.0, 0.0)
 
 
-def _start_gradient(eta, diffusion_time):
+def _start_gradient(eta: np.ndarray, diffusion_time: np.ndarray) -> np.ndarray:
     return np.where(eta >= 1, np.inf, 0.0)
 
 

@@ -5,21 +5,22 @@ In polar coordinates from the corner, theta from the sliding wall, the stream fu
     psi = r f(theta) + r^2 h(theta)/nu + ...,    u_r = psi_theta/r,    u_theta = -psi_r.
 
 The first part is slow flow (G. I. Taylor, "On scraping viscous fluid from a plane surface", 1962): f = a cos theta +
-b sin theta + c theta cos theta + d theta sin theta. Its velocities do not depend on r, its pressure goes like 1/r, and
+b sin theta + c theta cos theta + d theta sin theta. Its velocities do not depend on r; its pressure varies as 1/r, and
 so does its acceleration (u . grad) u = -f (f + f'')/r e_r, which has a finite flux out of the corner. The second part
-carries that: h'''' + 4 h'' = -f' (f + f'') - f (f' + f'''), with a pressure e log r. Near the corner all flow is
-like that, whatever it is elsewhere: without it no field of finite spacing resolves such a corner (O. Botella, R.
-Peyret, Comput. Fluids 27 (1998) 421-433, who subtract both parts in a cavity).
+balances this acceleration: h'''' + 4 h'' = -f' (f + f'') - f (f' + f'''), with a pressure e log r. Every flow has this
+form near the corner, and no field of finite spacing resolves the corner unless both parts are subtracted (O. Botella,
+R. Peyret, Comput. Fluids 27 (1998) 421-433, for a cavity).
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 DEGREE = 16
-"""Of the polynomial that h is: for angles up to a right one its coefficients end below 1e-9 of the largest."""
+"""Degree of the polynomial h: for angles up to a right angle its last coefficients are below 1e-9 of the largest."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,8 @@ class CornerSingularity:
     """Corner at ``place`` (2,) where a wall that slides with ``speed`` away from it, along ``along``, meets another.
 
     ``along`` (2,) and ``inward`` (2,), the normal of the sliding wall into the fluid, are of length 1. ``angle``
-    between the walls, in radians. The second part of the flow fades with exp(-(r/``decay_length``)^2), since far from
-    the corner it says nothing; ``share`` is how much of it there is.
+    between the walls, in radians. The second part of the flow is multiplied by ``share`` exp(-(r/``decay_length``)^2),
+    since it holds only near the corner.
     """
 
     place: tuple[float, float]
@@ -41,8 +42,8 @@ class CornerSingularity:
     share: float = 1.0
 
     @cached_property
-    def stokes_coefficients(self):
-        """a, b, c, d (4,) of f: no flow through the walls, the speed at theta = 0 and rest at the other wall."""
+    def stokes_coefficients(self) -> np.ndarray:
+        """a, b, c, d (4,) of f: no flow through the walls, ``speed`` at theta = 0, and rest at the other wall."""
         sine, cosine, angle = np.sin(self.angle), np.cos(self.angle), self.angle
         conditions = [
             [1.0, 0.0, 0.0, 0.0],
@@ -52,8 +53,8 @@ class CornerSingularity:
         ]
         return np.linalg.solve(conditions, [0.0, self.speed, 0.0, 0.0])
 
-    def _slow(self, theta):
-        """f and its first three derivatives at ``theta`` (n,)."""
+    def _slow(self, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return f and its first three derivatives at ``theta`` (n,)."""
         a, b, c, d = self.stokes_coefficients
         sine, cosine = np.sin(theta), np.cos(theta)
         waves = c * cosine + d * sine, d * cosine - c * sine
@@ -62,12 +63,15 @@ class CornerSingularity:
         return f, slope, 2 * waves[1] - f, -2 * waves[0] - slope
 
     @cached_property
-    def _inertial(self):
-        """h and its first three derivatives, series of Chebyshev's in 2 theta/angle - 1, and e, by collocation."""
+    def _inertial(self) -> tuple[list[np.ndarray], float]:
+        """Chebyshev coefficients of h and its first three derivatives in 2 theta/angle - 1, and e, by collocation."""
         size = 2.0 / self.angle
         node = chebyshev.chebpts1(DEGREE - 3)
         basis = [chebyshev.chebder(np.eye(DEGREE + 1), k) * size**k for k in range(5)]
-        at = lambda place, k: chebyshev.chebvander(place, DEGREE - k) @ basis[k]  # noqa: E731
+
+        def at(place: np.ndarray, k: int) -> np.ndarray:
+            return chebyshev.chebvander(place, DEGREE - k) @ basis[k]
+
         f, first, second, third = self._slow((node + 1.0) / size)
         push = -first * (f + second) - f * (first + third)
         ends = np.array([-1.0, 1.0])
@@ -77,18 +81,18 @@ class CornerSingularity:
         return [part @ h for part in basis[:4]], float(log[0])
 
     @cached_property
-    def inertial_coefficients(self):
+    def inertial_coefficients(self) -> np.ndarray:
         """Coefficients (``DEGREE`` + 1, 4) of h and its derivatives in 2 theta/angle - 1, highest power first."""
         powers = [chebyshev.cheb2poly(part) for part in self._inertial[0]]
         return np.stack([np.pad(part, (0, DEGREE + 1 - len(part))) for part in powers], axis=1)[::-1]
 
     @property
-    def pressure_coefficient(self):
-        """e, of the logarithm in the pressure."""
+    def pressure_coefficient(self) -> float:
+        """e, the coefficient of the logarithm in the pressure."""
         return self._inertial[1]
 
-    def _polar(self, points):
-        """Distance r and angle theta of ``points`` (n, 2), and the unit vectors (n, 2) along both."""
+    def _polar(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return distance r and angle theta (n,) of ``points`` (n, 2), and the unit vectors (n, 2) along both."""
         away = np.asarray(points, dtype=float) - self.place
         along, inward = away @ np.array(self.along), away @ np.array(self.inward)
         radius, theta = np.hypot(along, inward), np.arctan2(inward, along)
@@ -96,46 +100,31 @@ class CornerSingularity:
         ways = np.stack([cosine, sine], axis=1) @ frame, np.stack([-sine, cosine], axis=1) @ frame
         return radius, theta, *ways
 
-    def _fading(self, radius):
-        """S = r^2 exp(-(r/decay_length)^2): chi = S/r^2, S'/r, S'', S'''."""
+    def _fading(self, radius: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return chi = S/r^2, S'/r, S'' and S''' for S = r^2 exp(-(r/decay_length)^2)."""
         k, square = self.decay_length**-2, (radius / self.decay_length) ** 2
         chi = np.exp(-square)
         second, third = 2.0 - 10.0 * square + 4.0 * square**2, -24.0 + 36.0 * square - 8.0 * square**2
         return chi, (2.0 - 2.0 * square) * chi, second * chi, k * radius * third * chi
 
-    def _parts(self, points):
-        """What fields at ``points`` (n, 2) are made of: ``_polar``, ``_slow``, h and its derivatives, ``_fading``."""
+    def _parts(self, points: np.ndarray) -> tuple[Any, Any, np.ndarray, Any]:
+        """Return ``_polar``, ``_slow``, h and its derivatives (4, n), and ``_fading`` at ``points`` (n, 2)."""
         polar = self._polar(points)
         part = 2.0 * polar[1] / self.angle - 1.0
         inertial = np.vander(part, DEGREE + 1) @ self.inertial_coefficients
         return polar, self._slow(polar[1]), inertial.T, self._fading(polar[0])
 
-    def velocity(self, points):
-        """Velocity (n, 2) at ``points`` (n, 2)."""
-        return self._velocity(*self._parts(points))
-
-    def gradient(self, points):
-        """Velocity gradient (n, 2, 2) at ``points`` (n, 2): by the first axis, of the velocity along the second."""
-        return self._gradient(*self._parts(points))
-
-    def acceleration(self, points):
-        """Acceleration (n, 2) at ``points`` (n, 2) by the pressure and the viscous forces of this flow."""
-        return self._acceleration(*self._parts(points))
-
-    def _velocity(self, polar, slow, inertial, fading):
-        radius, _, out, turn = polar
-        f, slope, *_ = slow
-        h, h1, *_ = inertial
-        chi, first, *_ = fading
+    def velocity(self, points: np.ndarray) -> np.ndarray:
+        """Return the velocity (n, 2) at ``points`` (n, 2)."""
+        (radius, _, out, turn), (f, slope, *_), (h, h1, *_), (chi, first, *_) = self._parts(points)
         scale = radius / self.kinematic_viscosity
         radial, turning = slope + scale * chi * h1, -f - scale * first * h
         return radial[:, None] * out + turning[:, None] * turn
 
-    def _gradient(self, polar, slow, inertial, fading):
-        radius, _, *ways = polar
-        f, _, bend, _ = slow
+    def gradient(self, points: np.ndarray) -> np.ndarray:
+        """Return the velocity gradient (n, 2, 2) at ``points`` (n, 2): du_j/dx_i at [i, j]."""
+        (radius, _, *ways), (f, _, bend, _), inertial, (chi, first, second, _) = self._parts(points)
         h, h1, h2, _ = inertial / self.kinematic_viscosity
-        chi, first, second, _ = fading
         stretch = (chi - 2.0 * (radius / self.decay_length) ** 2 * chi) * h1
         parts = {
             (0, 0): stretch,
@@ -143,21 +132,21 @@ class CornerSingularity:
             (1, 0): (bend + f) / radius + chi * h2 + first * h,
             (1, 1): -first * h1 + chi * h1,
         }
-        return sum(part[:, None, None] * ways[i][:, :, None] * ways[j][:, None, :] for (i, j), part in parts.items())
+        terms = (part[:, None, None] * ways[i][:, :, None] * ways[j][:, None, :] for (i, j), part in parts.items())
+        return sum(terms, np.zeros((1, 1, 1)))
 
-    def _acceleration(self, polar, _, inertial, fading):
-        radius, _, out, turn = polar
-        h, h1, h2, h3 = inertial
+    def acceleration(self, points: np.ndarray) -> np.ndarray:
+        """Return the acceleration (n, 2) at ``points`` (n, 2) by pressure and viscous forces of this flow."""
+        (radius, _, out, turn), _, (h, h1, h2, h3), (chi, first, second, third) = self._parts(points)
         log = self.pressure_coefficient
-        chi, first, second, third = fading
         square, k = (radius / self.decay_length) ** 2, radius * self.decay_length**-2
         slope = (chi / radius - 2.0 * k * chi * np.log(radius / self.decay_length)) * log
         radial = (second + first) * h1 / radius + chi * h3 / radius - slope
         turning = -(third + k * (4.0 * square - 8.0) * chi) * h + 2.0 * k * chi * h2
         return radial[:, None] * out + turning[:, None] * turn
 
-    def pressure(self, points):
-        """Pressure per unit density (n,) at ``points`` (n, 2); infinite in the corner."""
+    def pressure(self, points: np.ndarray) -> np.ndarray:
+        """Return the pressure per unit density (n,) at ``points`` (n, 2); infinite in the corner."""
         _, _, c, d = self.stokes_coefficients
         radius, theta, *_ = self._polar(points)
         with np.errstate(divide="ignore", invalid="ignore"):

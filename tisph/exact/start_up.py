@@ -5,10 +5,10 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit dens
     du/dt = g + d/dy [ flux(du/dy) + sum of S_xy ],    dC/dt = law.rate_in_shear(C, du/dy),  S = law.stress(C)
 
 for each law (mode) of a polymer, C the excess of its conformation tensor over rest (``tisph/rheology``), and flux =
-solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy of a generalised Newtonian fluid. The walls move with given
+solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy in a generalised Newtonian fluid. The walls move with given
 velocities, or are stress-controlled (``geometry/motion.py``), with mass_per_area * dU/dt = stress - shear
 stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
-Where a wall velocity or stress jumps later on, a new solution begins, in the root of the time from then on.
+At a later jump of a wall velocity or stress a new solution begins, in the square root of the time since the jump.
 
 Along an axis, y = r - R1, and around it, with rate = r d(u/r)/dr, the pressure p per unit density and the angle theta:
 
@@ -16,7 +16,7 @@ Along an axis, y = r - R1, and around it, with rate = r d(u/r)/dr, the pressure 
     du/dt = (1/r^2) d/dr [r^2 (flux(rate) + sum of S_rtheta)],    dp/dr = u^2/r + dS_rr/dr + (S_rr - S_thetatheta)/r
 
 In the frame that rotates with the fluid the flow around the axis is simple shear, x around the axis and y outwards, so
-that the laws are the same; u/r takes the place of u (``_collocation``). With R1 = 0 there is no inner wall.
+that the laws are the same; the unknown is u/r in place of u (``_collocation``). With R1 = 0 there is no inner wall.
 
 A wall whose velocity jumps at t = 0, or later, makes a layer sqrt(t) deep. In a solvent of constant viscosity the
 layer is a closed form (``_sheared``), u = v + layer, and v is smooth. Generalised Newtonian fluids start with the jump
@@ -24,7 +24,7 @@ between the wall and the next point. The periodic flow of a Newtonian fluid whos
 the solution of the rest, which decays.
 
 Numerics: polynomials on elements that are finest at the walls, collocation in sqrt(t) (``_collocation``).
-Solved once, as far as it is asked for; no result depends on what was asked before.
+The solution is computed once, up to the latest requested time; results do not depend on earlier requests.
 
 Accuracy, relative to the largest value in the gap, measured against closed forms and against other orders: polymers
 with solvent fractions from 0.01 on: velocity, stress and N1 1e-8 from solvent_viscosity t/gap^2 = 1e-5 on, 1e-11 once
@@ -32,32 +32,34 @@ the layers have crossed the gap; inelastic: velocity 1e-6, stress 2e-6 from t* =
 and 1e-8 in developed flow, 1e-6 where a plug has edges of 1e-3 of the gap; stress 1e-6 at a rate of 0, 5e-5 there.
 Viscosities that differ by more than some 1e3 within the gap lose digits to round-off, and may end in an UnsolvedError.
 A polymer takes about a second of processor time, an inelastic fluid less in a driven flow, and more after a jump of
-a wall: until the layer is as deep as an element is wide, steps are as short as it takes the front to pass from point to
-point. At large regularisation a fluid with a yield stress does not get beyond that: UnsolvedError.
+a wall: until the layer is as deep as an element is wide, a step is as short as the time in which the front passes from
+point to point. At large regularisation the solution of a fluid with a yield stress ends there: UnsolvedError.
 
 Sources: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Liquids 1 (2nd ed. 1987), appendix B, for
 the equations; P. Szymanski, J. Math. Pures Appl. 11 (1932) 67-107, and J. R. Womersley, J. Physiol. 127 (1955) 553-563,
 for the closed forms of a Newtonian fluid in a pipe under constant and oscillating g.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
 from tisph.exact._collocation import Elements, RadauSolution, graded_edges
+from tisph.exact._fluids import Fluid
 from tisph.exact._sheared import AnalyticLayer, Equations, ShiftedWall, jump
 
 
 class Steady:
-    """What does not change in time."""
+    """Base of motions that are constant in time."""
 
     oscillates = False
     angular_frequency = 0.0
     jump_times = ()
 
-    def after(self, time):
-        """The same: it does not change."""
+    def after(self, time: float) -> Any:
+        """Return the motion from ``time`` on: the same."""
         return self
 
 
@@ -69,24 +71,24 @@ class Wall(Steady):
 
     speed: float = 0.0
 
-    def velocity(self, t):
-        """``speed``, of the shape of ``t``."""
+    def velocity(self, t: Any) -> np.ndarray:
+        """Return ``speed`` in the shape of ``t``."""
         return self.speed + 0.0 * np.asarray(t)
 
-    def acceleration(self, t):
-        """0, of the shape of ``t``."""
+    def acceleration(self, t: Any) -> np.ndarray:
+        """Return 0 in the shape of ``t``."""
         return 0.0 * np.asarray(t)
 
 
 @dataclass(frozen=True)
 class Axis(Steady):
-    """The axis r = 0 in the place of an inner wall, with methods of a wall of no mass and no stress."""
+    """The axis r = 0 in place of an inner wall; it behaves as a stress-controlled wall without mass and stress."""
 
     stress_controlled: ClassVar[bool] = True
     mass_per_area: ClassVar[float] = 0.0
 
-    def stress(self, t):
-        """0, of the shape of ``t``."""
+    def stress(self, t: Any) -> np.ndarray:
+        """Return 0 in the shape of ``t``."""
         return 0.0 * np.asarray(t)
 
 
@@ -94,10 +96,10 @@ class Axis(Steady):
 class Flow:
     """Walls y = 0 and y = ``gap``, and the acceleration g along planes or along the axis.
 
-    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density; they change
-    at once at the times ``jump_times``, and ``after(time)`` is what they are from then on. ``inner_radius``: that of
-    the cylinder y = 0, None between planes; 0 where there is none and y = 0 is the axis, whatever ``bottom`` is.
-    Cylinders have angular velocities, or, ``along`` the axis, velocities.
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density. They jump
+    at the times ``jump_times``; ``after(time)`` is their motion from that time on. ``inner_radius``: radius of the
+    cylinder y = 0; None between planes; 0 if y = 0 is the axis, and ``bottom`` has no effect. Cylinders have angular
+    velocities, or, in flow ``along`` the axis, velocities.
 
     g = ``acceleration`` + cosine cos(w t) + sine sin(w t), w = angular_frequency > 0, all attributes of ``pulsation``.
     """
@@ -111,19 +113,19 @@ class Flow:
     pulsation: Any = None
 
     @property
-    def walls(self):
-        """What is at y = 0 and y = ``gap``."""
+    def walls(self) -> tuple[Any, Any]:
+        """The walls, or the axis, at y = 0 and y = ``gap``."""
         return Axis() if self.inner_radius == 0.0 else self.bottom, self.top
 
-    def largest_drive(self, viscous_time):
-        """A velocity that g reaches: g gap^2/(12 nu), or less where g oscillates fast."""
+    def largest_drive(self, viscous_time: float) -> float:
+        """Return the scale of the velocity that g drives: g gap^2/(12 nu), or less if g oscillates fast."""
         part, found = self.pulsation, abs(self.acceleration) * viscous_time / 12
         if part is None:
             return found
         return found + np.hypot(part.cosine, part.sine) * min(viscous_time / 12, 1 / part.angular_frequency)
 
-    def drive(self, times):
-        """The acceleration g at ``times``."""
+    def drive(self, times: np.ndarray) -> np.ndarray:
+        """Return the acceleration g at ``times``."""
         part, steady = self.pulsation, self.acceleration + 0.0 * times
         if part is None:
             return steady
@@ -131,86 +133,12 @@ class Flow:
         return steady + part.cosine * np.cos(angle) + part.sine * np.sin(angle)
 
 
-@dataclass(frozen=True)
-class ViscoelasticFluid:
-    """Kinematic viscosity of the solvent (> 0, else ValueError) and ``laws`` of the polymer's modes, over density.
-
-    Without any it is a Newtonian fluid.
-
-    ``tolerance`` of a step in time and its ``stages``: with 7 there are twice as many steps, in 1.5 times the time.
-    """
-
-    subtracts_layer: ClassVar[bool] = True
-    tolerance: ClassVar[float] = 1e-9
-    stages: ClassVar[int] = 9
-
-    solvent_viscosity: float
-    laws: tuple[Any, ...]
-
-    def __post_init__(self):
-        if not self.solvent_viscosity > 0:
-            raise ValueError(f"solvent_viscosity must be above 0, not {self.solvent_viscosity}")
-
-    @property
-    def longest_time(self):
-        """The longest relaxation time."""
-        return max((law.relaxation_time for law in self.laws), default=0.0)
-
-    @property
-    def total_viscosity(self):
-        """Kinematic viscosity at vanishing shear rate."""
-        return self.solvent_viscosity + sum(law.polymer_viscosity for law in self.laws)
-
-    def flux(self, rate):
-        """The solvent's shear stress."""
-        return self.solvent_viscosity * rate
-
-    layer_flux = flux
-    """That of the part of the shear rate which has inertia of its own."""
-
-
-@dataclass(frozen=True)
-class InelasticFluid:
-    """Generalised Newtonian: ``law.viscosity(shear_rate_squared)``, kinematic; ``total_viscosity``, typical of it.
-
-    ``tolerance`` of a step in time: at a jump the front passes point by point, and 1e-10 takes twice the time, while
-    the elements leave 5e-8. More ``stages`` make steps longer, but Newton's method slower. ``subtracts_layer``: whether
-    a jump of a wall is left to a closed form.
-    """
-
-    subtracts_layer: ClassVar[bool] = False
-    tolerance: ClassVar[float] = 1e-8
-    stages: ClassVar[int] = 5
-
-    law: Any
-    total_viscosity: float
-    laws: tuple[Any, ...] = ()
-    longest_time: float = 0.0
-
-    def flux(self, rate):
-        """Shear stress."""
-        return self.law.viscosity(rate * rate) * rate
-
-    def layer_flux(self, rate):
-        """Nothing: the whole flow is solved for."""
-        return 0.0 * rate
-
-
-def fluid_of(rheology, kinematic_viscosity, density):
-    """The fluid with the parameters ``rheology``, None of a Newtonian one."""
-    if rheology is None:
-        return ViscoelasticFluid(kinematic_viscosity, ())
-    if rheology.carries_stress:
-        return ViscoelasticFluid(rheology.solvent_fraction * kinematic_viscosity, rheology.laws(kinematic_viscosity))
-    return InelasticFluid(rheology.law(kinematic_viscosity, density), kinematic_viscosity)
-
-
 REFINEMENTS = 3
-"""Solutions for the residual of a periodic flow: the first one alone loses digits to round-off, 1e-8 in places."""
+"""Iterative refinements of a periodic flow: one solution alone has round-off errors of 1e-8 in places."""
 
 
-def steady_newtonian(start_up):
-    """The continuous field (nodes,) of the steady flow of a ``StartUp``, v'' + k/r v' = -g/nu (``_collocation``).
+def steady_newtonian(start_up: "StartUp") -> np.ndarray:
+    """Return the continuous field (nodes,) of the steady flow v'' + k/r v' = -g/nu of a ``StartUp`` (``_collocation``).
 
     Poiseuille and Couette flow: a parabola, and y, log r or r^-2.
     """
@@ -221,7 +149,7 @@ def steady_newtonian(start_up):
     if radius == 0.0 and power:
         return flow.top.speed + parabola
 
-    def grown(y):
+    def grown(y: Any) -> Any:
         return y if power == 0 else np.log1p(y / radius) if power == 1 else radius**-2 - (radius + y) ** -2
 
     share = grown(y) / grown(flow.gap)
@@ -229,11 +157,11 @@ def steady_newtonian(start_up):
     return flow.bottom.speed + (flow.top.speed - flow.bottom.speed) * share + parabola - parabola[0] * (1 - share)
 
 
-def periodic(equations, frequency, amplitude, node=None):
-    """Complex amplitude x (nodes,) of the flow Re[x e^(iwt)] under the acceleration Re[amplitude e^(iwt)].
+def periodic(equations: Equations, frequency: float, amplitude: complex, node: int | None = None) -> np.ndarray:
+    """Return the complex amplitude x (nodes,) of the flow Re[x e^(iwt)] under the acceleration Re[amplitude e^(iwt)].
 
-    Or between walls of which that at ``node`` has the velocity Re[amplitude e^(iwt)]: (iw - J) x = the acceleration,
-    or i w amplitude at that wall.
+    With a ``node``, the wall at that node has the velocity Re[amplitude e^(iwt)] instead. The equation is (iw - J) x =
+    the acceleration, or i w amplitude at that wall.
     """
     forcing, x = np.zeros((2, 1, equations.size), dtype=complex)
     if node is None:
@@ -241,7 +169,9 @@ def periodic(equations, frequency, amplitude, node=None):
     else:
         forcing[0, node] = 1j * frequency * amplitude
     # not at t = 0, when the layer of a jump is infinitely thin
-    solve = equations.jacobian(x[0].real, 1 / frequency).solver(np.array([1j * frequency]))
+    jacobian = equations.jacobian(x[0].real, 1 / frequency)
+    assert jacobian is not None
+    solve = jacobian.solver(np.array([1j * frequency]))
     for _ in range(REFINEMENTS):
         rates = equations.rates(np.concatenate([x.real, x.imag]), (0.0, 0.0))
         x = x + solve(forcing - 1j * frequency * x + rates[0] + 1j * rates[1])
@@ -250,15 +180,15 @@ def periodic(equations, frequency, amplitude, node=None):
 
 ORDER = 16
 FINEST, WIDEST = 1e-3, 0.0625
-"""Order of the elements, and the width over the gap of those at the walls and in the middle."""
+"""Order of the elements, and their width over the gap at the walls and in the middle."""
 
 REMEMBERED, MOST_DOUBLINGS, STEADY = 20.0, 8, 1e-9
-"""Longest times of the fluid, viscous and relaxation, after which a flow may be developed. It is where as long a time
-again changes all by less than STEADY of the largest value; else the time is doubled."""
+"""A flow may be developed after this many times the longer of the viscous and the relaxation time. It counts as
+developed if the same time again changes all values by less than STEADY of the largest; else the time is doubled."""
 
 
-def _edges(fluid, flows, finest):
-    """Edges over the gap. Inelastic fluids have plugs, and kinks where the rate is 0: mid-gap, by symmetry."""
+def _edges(fluid: Fluid, flows: Any, finest: float) -> np.ndarray:
+    """Return the element edges over the gap. An inelastic fluid has plugs, and by symmetry a kink at mid-gap."""
     if fluid.subtracts_layer:
         return graded_edges(1.0, finest, WIDEST)
     if any(flow.bottom != flow.top or flow.inner_radius == 0.0 for flow in flows):
@@ -268,14 +198,23 @@ def _edges(fluid, flows, finest):
 
 
 class StartUp:
-    """The flow of a ``ViscoelasticFluid`` or ``InelasticFluid`` fluid from rest, or from the developed flow ``before``.
+    """The flow of a ``fluid`` from rest, or from the developed flow ``before``.
 
-    Heights ``y`` and times ``t`` >= 0 broadcast; results have their shape. Stresses are per unit density. ``order`` and
-    ``finest``, the width over the gap of those at the walls, or all ``edges`` over the gap, set the elements.
-    UnsolvedError where no solution is found that goes on, ValueError for other times.
+    Heights ``y`` and times ``t`` >= 0 (else ValueError) broadcast; results have their shape. Stresses are per unit
+    density. ``order`` and ``finest``, the width over the gap of the elements at the walls, or all ``edges`` over the
+    gap, set the elements. UnsolvedError where the solution cannot be continued.
     """
 
-    def __init__(self, fluid, flow, before=None, *, order=ORDER, finest=FINEST, edges=None):
+    def __init__(
+        self,
+        fluid: Fluid,
+        flow: Flow,
+        before: Any = None,
+        *,
+        order: int = ORDER,
+        finest: float = FINEST,
+        edges: np.ndarray | None = None,
+    ) -> None:
         self.fluid, self.flow = fluid, flow
         edges = _edges(fluid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius, flow.along)
@@ -299,8 +238,8 @@ class StartUp:
         self._constant = begun if self._stays(before, jumps) else None
         self._pieces = [self._solution(self.equations, begun, jumps)]
 
-    def _stays(self, before, jumps):
-        """Whether the state stays as it begins, since layers and periodic flows are all that changes."""
+    def _stays(self, before: Any, jumps: Any) -> bool:
+        """Return whether the state stays as it begins: only layers and periodic flows, added in closed form, change."""
         flow, plane = self.flow, self.flow.inner_radius is None
         walls = [wall for wall in flow.walls if not isinstance(wall, Axis)]
         if any(wall.stress_controlled or (wall.oscillates and not self._has_periodic_part(wall)) for wall in walls):
@@ -313,8 +252,8 @@ class StartUp:
         steady = steady and all(old == new for old, new in pairs if old.oscillates or new.oscillates)
         return steady and (not any(jumps) or (_newtonian(self.fluid) and plane))
 
-    def _equations(self, begin):
-        """Equations of the time from ``begin`` on."""
+    def _equations(self, begin: float) -> Equations:
+        """Return the equations from the time ``begin`` on."""
         walls = [
             Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
             for wall in self.flow.walls
@@ -323,14 +262,14 @@ class StartUp:
         layer = self.layer.later(begin)
         return Equations(self.elements, self.fluid, walls, lambda t: flow.drive(begin + t), layer, self.speed)
 
-    def _solution(self, equations, start, jumps):
+    def _solution(self, equations: Equations, start: np.ndarray, jumps: Any) -> RadauSolution:
         first = 1e-3 * self.flow.gap / np.sqrt(self.fluid.total_viscosity)
         if not self.fluid.subtracts_layer:
             start[self._ends] += jumps
         return RadauSolution(equations, start, first, self.fluid.tolerance, self.fluid.stages)
 
-    def _at(self, time):
-        """State (size,) at one ``time`` >= 0."""
+    def _at(self, time: float) -> np.ndarray:
+        """Return the state (size,) at one ``time`` >= 0."""
         if self._constant is not None:
             return self._constant + self._oscillating(time)
         piece = max(int(np.searchsorted(self.begins, time)) - 1, 0)
@@ -340,51 +279,49 @@ class StartUp:
             self._pieces.append(self._solution(self._equations(end), state, jumps))
         return self._pieces[piece].at(time - self.begins[piece]) + self._oscillating(time)
 
-    def _has_periodic_part(self, wall):
-        """Whether the periodic flow of a ``wall`` that oscillates is added to the solution, which is linear."""
+    def _has_periodic_part(self, wall: Any) -> bool:
+        """Return whether the periodic flow of an oscillating ``wall`` is added to the solution, which is linear."""
         return _newtonian(self.fluid) and not wall.stress_controlled and wall.angular_frequency != 0.0
 
-    def _periodic_parts(self):
-        """Yield angular frequency and complex amplitude (size,) of the periodic flows of walls that have one, and of g.
+    def _periodic_parts(self) -> Iterator[tuple[float, np.ndarray]]:
+        """Yield angular frequency and complex amplitude (size,) of the periodic flows of oscillating walls and of g.
 
-        The rest decays, so that many periods cost no more than one.
+        The remaining flow decays, so that many periods cost no more than one.
         """
-        parts = [each for each in zip(self._ends, self.flow.walls, strict=True) if self._has_periodic_part(each[1])]
+        pairs = zip(self._ends, self.flow.walls, strict=True)
+        parts: list[Any] = [(node, wall) for node, wall in pairs if self._has_periodic_part(wall)]
         if self.flow.pulsation and _newtonian(self.fluid):
             parts.append((None, self.flow.pulsation))
         for node, of in parts:
             frequency = of.angular_frequency
             yield frequency, periodic(self.equations, frequency, of.cosine - 1j * of.sine, node)
 
-    def _oscillating(self, time):
-        """What the periodic flows add to the state at one ``time``."""
+    def _oscillating(self, time: float) -> np.ndarray:
+        """Return the state (size,) of the periodic flows at one ``time``."""
         return sum((x * np.exp(1j * frequency * time)).real for frequency, x in self._oscillations)
 
-    def velocity(self, y, t):
-        """Velocity u along the walls; at t = 0 the walls have their new velocity already, the fluid its old one."""
+    def velocity(self, y: Any, t: Any) -> np.ndarray:
+        """Return the velocity u along the walls; at t = 0 walls have their new velocity, the fluid its old one."""
         return self._by_time(self._velocity, y, t)
 
-    def shear_rate(self, y, t):
-        """Velocity gradient du/dy, or r d(u/r)/dr (1/time); infinite at t = 0 on a wall whose velocity jumps."""
+    def shear_rate(self, y: Any, t: Any) -> np.ndarray:
+        """Return du/dy, or r d(u/r)/dr (1/time); infinite at t = 0 on a wall whose velocity jumps."""
         return self._by_time(self._shear_rate, y, t)
 
-    def polymer_stress(self, y, t):
-        """Stress of all modes together, shape (3, ...): S_xx, S_xy and S_yy; N1 = S_xx - S_yy."""
+    def polymer_stress(self, y: Any, t: Any) -> np.ndarray:
+        """Return the stress of all modes together (3, ...): S_xx, S_xy and S_yy; N1 = S_xx - S_yy."""
         return self._by_time(self._stress, y, t, (3,))
 
-    def conformation_excess(self, y, t):
-        """C of each mode at heights ``y`` (heights,) and one time ``t``: list of arrays (components, heights)."""
-        return self._excess(y, t)
+    def conformation_excess(self, y: np.ndarray, t: float) -> list[np.ndarray]:
+        """Return C (components, heights) of each mode at heights ``y`` (heights,) and one time ``t``."""
+        return [self.elements.interpolated(c, y) for c in self.equations.conformation_excess(self._at(t))]
 
-    def _excess(self, y, time):
-        return [self.elements.interpolated(c, y) for c in self.equations.conformation_excess(self._at(time))]
-
-    def shear_stress(self, y, t):
-        """Shear stress of solvent and polymer together."""
+    def shear_stress(self, y: Any, t: Any) -> np.ndarray:
+        """Return the shear stress of solvent and polymer together."""
         return self._by_time(self._whole_stress, y, t)
 
-    def _steady(self):
-        """The state (size,) that the flow ends in: v is all of the velocity then."""
+    def _steady(self) -> np.ndarray:
+        """Return the steady state (size,); its v includes the layer."""
         time = REMEMBERED * max(self.fluid.longest_time, self.flow.gap**2 / self.fluid.total_viscosity)
         for _ in range(MOST_DOUBLINGS):  # a fluid that thins takes longer
             state = self._at(time)
@@ -397,28 +334,29 @@ class StartUp:
         whole = state[:size] + self.layer.field(self.elements.node_positions, time)
         return np.concatenate([whole, state[size:]])
 
-    def _velocity(self, y, time):
+    def _velocity(self, y: np.ndarray, time: float) -> np.ndarray:
         v = self._at(time)[: self.elements.size]
         own = self.elements.interpolated(v[self.elements.nodes], y)
         return self.elements.lever(y) * (own + self.layer.field(y, time))
 
-    def _shear_rate(self, y, time):
+    def _shear_rate(self, y: np.ndarray, time: float) -> np.ndarray:
         own = self.elements.shear_rate(self._at(time)[: self.elements.size])
         return self.elements.interpolated(own, y) + self.layer.shear_rate(y, time)
 
-    def _stress(self, y, time):
-        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, self._excess(y, time), strict=True)]
+    def _stress(self, y: np.ndarray, time: float) -> np.ndarray:
+        excess = StartUp.conformation_excess(self, y, time)
+        whole = [law.stress(tuple(c)) for law, c in zip(self.fluid.laws, excess, strict=True)]
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
-    def _whole_stress(self, y, time):
+    def _whole_stress(self, y: np.ndarray, time: float) -> np.ndarray:
         if self.fluid.subtracts_layer:
             return self.fluid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
-        # smoother than the shear rate where the viscosity changes much, as in a plug
+        # the stress is smoother than the shear rate where the viscosity changes much, as in a plug
         v = self._at(time)[: self.elements.size]
         return self.elements.interpolated(self.fluid.flux(self.elements.shear_rate(v)), y)
 
-    def _by_time(self, profile, y, t, parts=()):
-        """Values of ``profile(heights, time)``, called once for each different time; a scalar for scalar arguments.
+    def _by_time(self, profile: Callable, y: Any, t: Any, parts: tuple[int, ...] = ()) -> np.ndarray:
+        """Return the values of ``profile(heights, time)``, called once for each time; a scalar for scalar arguments.
 
         ``parts``: the shape of the value at one height and time.
         """
@@ -432,14 +370,14 @@ class StartUp:
         return result[()]
 
 
-def _newtonian(fluid):
+def _newtonian(fluid: Fluid) -> bool:
     return fluid.subtracts_layer and not fluid.laws
 
 
-def _developed(fluid, flow, order, edges):
-    """State (size,) at t = 0 of a developed ``flow``: steady, plus the periodic flow of walls that oscillate.
+def _developed(fluid: Fluid, flow: Flow, order: int, edges: np.ndarray) -> np.ndarray:
+    """Return the state (size,) at t = 0 of a developed ``flow``: steady, plus the periodic flow of oscillating walls.
 
-    ValueError where one does whose fluid is not Newtonian.
+    ValueError for walls that oscillate in a fluid that is not Newtonian.
     """
     walls = flow.bottom, flow.top
     constant = [Wall() if wall.oscillates else Wall(float(wall.velocity(0.0))) for wall in walls]
@@ -457,83 +395,105 @@ def _developed(fluid, flow, order, edges):
 
 
 class Coaxial(StartUp):
-    """Flow of a ``fluid`` between cylinders of ``radii``, or inside of one where the first is 0.
+    """Flow of a ``fluid`` between cylinders of ``radii``, or inside one cylinder if the first radius is 0.
 
-    ``walls``: (inner, outer) from t = 0 on, of which the inner one counts for nothing where there is none; ``before``:
-    the same whose developed flow it starts from, or None for rest. ``flow``: other attributes of its ``Flow``. Radii
-    ``r`` and times ``t`` >= 0 broadcast; results have their shape. Stresses have x along the flow and y along radii.
+    ``walls``: (inner, outer) from t = 0 on; the inner one has no effect if its radius is 0. ``before``: walls (inner,
+    outer) whose developed flow is the start, or None for rest. ``flow``: other attributes of the ``Flow``;
+    ``elements``: keyword arguments of ``StartUp``. Radii ``r`` and times ``t`` >= 0 broadcast; results have their
+    shape. Stresses have x along the flow and y along radii. ValueError for radii that do not grow outwards from 0.
     """
 
-    def __init__(self, radii, fluid, walls, before, flow, elements):
+    def __init__(
+        self,
+        radii: tuple[float, float],
+        fluid: Fluid,
+        walls: tuple[Any, Any],
+        before: tuple[Any, Any] | None,
+        flow: dict[str, Any],
+        elements: dict[str, Any],
+    ) -> None:
         inner, outer = radii
         if not 0 <= inner < outer < np.inf:
             raise ValueError(f"radii must grow outwards from 0, not {inner}, {outer}")
         self.radii = radii
 
-        def flow_of(pair):
+        def flow_of(pair: tuple[Any, Any]) -> Flow:
             return Flow(outer - inner, pair[0] if inner else Wall(), pair[1], inner_radius=inner, **flow)
 
         super().__init__(fluid, flow_of(walls), before and flow_of(before), **elements)
 
-    def conformation_excess(self, r, t):
-        """C of each mode at radii ``r`` (radii,) and one time ``t``, in the order xx, xr, rr (and that across both)."""
+    def conformation_excess(self, r: np.ndarray, t: float) -> list[np.ndarray]:
+        """Return C (components, radii) of each mode at radii ``r`` (radii,) and one time ``t``: xx, xr, rr (and zz)."""
         return super().conformation_excess(self._place(r), t)
 
-    def _by_time(self, profile, r, t, parts=()):
+    def _by_time(self, profile: Callable, r: Any, t: Any, parts: tuple[int, ...] = ()) -> np.ndarray:
         return super()._by_time(profile, self._place(r), t, parts)
 
-    def _place(self, r):
-        """Distance from the inner cylinder; round-off leaves none outside."""
+    def _place(self, r: Any) -> np.ndarray:
+        """Return the distance from the inner cylinder, clipped because round-off may put radii outside."""
         return np.clip(np.asarray(r, dtype=float) - self.radii[0], 0.0, self.radii[1] - self.radii[0])
 
 
 class PipeStartUp(Coaxial):
-    """Flow of a ``fluid`` of ``start_up`` along the axis, from t = 0 on, between pipes of ``radii`` (inner, outer).
+    """Flow along the axis, from t = 0 on, between pipes of ``radii`` (inner, outer); see ``Coaxial``.
 
-    ``walls``: the pair of them, with ``velocity(t)`` and ``acceleration(t)`` along the axis; where the inner radius is
-    0, the first counts for nothing. The fluid was at rest, or in the developed flow of the pair ``before`` of walls.
-    g, before t = 0 too: the constant ``acceleration``, and that of a ``pulsation`` with the attributes ``cosine``,
-    ``sine`` and ``angular_frequency`` > 0. ``elements``: what ``StartUp`` takes by name. Stresses have x along the
-    axis. ValueError for radii that do not grow outwards from 0, UnsolvedError as of ``StartUp``.
+    ``walls`` have velocities along the axis. g, also before t = 0, is the constant ``acceleration`` plus a
+    ``pulsation`` with the attributes ``cosine``, ``sine`` and ``angular_frequency`` > 0.
     """
 
-    def __init__(self, radii, fluid, walls, before=None, *, acceleration=0.0, pulsation=None, **elements):
+    def __init__(
+        self,
+        radii: tuple[float, float],
+        fluid: Fluid,
+        walls: tuple[Any, Any],
+        before: Any = None,
+        *,
+        acceleration: float = 0.0,
+        pulsation: Any = None,
+        **elements: Any,
+    ) -> None:
         drive = {"acceleration": acceleration, "pulsation": pulsation, "along": True}
         super().__init__(radii, fluid, walls, before, drive, elements)
 
-    def force(self, t, *, density):
-        """Forces (inner, outer) of the fluid on the walls along the axis, per length of it."""
-        circumferences = 2 * np.pi * self.radii[0], -2 * np.pi * self.radii[1]
-        stresses = (density * self.shear_stress(r, t) for r in self.radii)
-        return tuple(length * stress for length, stress in zip(circumferences, stresses, strict=True))
+    def force(self, t: Any, *, density: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the forces (inner, outer) of the fluid on the walls along the axis, per length of the axis."""
+        inner, outer = (density * self.shear_stress(r, t) for r in self.radii)
+        return 2 * np.pi * self.radii[0] * inner, -2 * np.pi * self.radii[1] * outer
 
 
 class CircularStartUp(Coaxial):
-    """Flow of a ``ViscoelasticFluid`` between two cylinders that turn as ``inner`` and ``outer`` from t = 0 on.
+    """Flow around the axis between cylinders with the angular velocities ``inner`` and ``outer`` (``Wall``).
 
-    Both have ``velocity(t)`` and ``acceleration(t)``, of an angle (``start_up.Wall``). The fluid was at rest, or
-    in the developed flow of the pair ``before`` of cylinders. With ``inner_radius`` 0 there is the outer one alone,
-    around a fluid that spins up. ``elements``: what ``StartUp`` takes by name. ValueError for radii that do not grow
-    outwards from 0, UnsolvedError as of ``StartUp``. Stresses have x around the axis.
+    See ``Coaxial``. With ``inner_radius`` 0 there is only the outer cylinder, around a fluid that spins up.
     """
 
-    def __init__(self, inner_radius, outer_radius, fluid, inner, outer, before=None, **elements):
+    def __init__(
+        self,
+        inner_radius: float,
+        outer_radius: float,
+        fluid: Fluid,
+        inner: Any,
+        outer: Any,
+        before: Any = None,
+        **elements: Any,
+    ) -> None:
         super().__init__((inner_radius, outer_radius), fluid, (inner, outer), before, {}, elements)
 
-    def torque(self, t, *, density):
-        """Torques (inner, outer), counterclockwise, of the fluid on the cylinders, per length along the axis."""
-        return tuple(
+    def torque(self, t: Any, *, density: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the fluid's torques (inner, outer) on the cylinders, counterclockwise, per length of the axis."""
+        inner, outer = (
             sign * 2 * np.pi * r**2 * density * self.shear_stress(r, t)
             for sign, r in zip((1, -1), self.radii, strict=True)
         )
+        return inner, outer
 
-    def pressure(self, r, t, *, density):
-        """Pressure at radii ``r`` and one time, of zero mean over the area."""
+    def pressure(self, r: Any, t: Any, *, density: float) -> np.ndarray:
+        """Return the pressure at radii ``r`` and one time, of zero mean over the area."""
         elements = self.elements
         radius, places = elements.radii, self.radii[0] + elements.y
         along, _, across = self.polymer_stress(places, t)
         u = self.velocity(places, t)
-        if t == 0:  # what turns is what turned before
+        if t == 0:  # the fluid still has the velocity of before
             u -= elements.levers * self.layer.field(elements.y, t)
         inward = np.divide(u**2 + across - along, radius, out=np.zeros_like(u), where=radius > 0.0)
         pressure = across + elements.integral(inward)

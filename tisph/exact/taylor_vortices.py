@@ -1,7 +1,7 @@
 """Linear stability of circular Couette flow to Taylor vortices: disturbances that are the same all around the axis.
 
-Around the axis the undisturbed fluid turns at the angular velocity W = A + B/r^2 between cylinders with those given.
-Disturbances, x along the axis,
+The undisturbed fluid has the angular velocity W = A + B/r^2 between cylinders of given angular velocities. The
+disturbances, x along the axis,
 
     u_r = a(r) cos(kx) e^(st),    u_x = b(r) sin(kx) e^(st),    u_t = c(r) cos(kx) e^(st)
 
@@ -16,6 +16,7 @@ Stability (1961), sections 70 to 72. Accuracy: 1e-10 at radius ratios from 0.1 o
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Chebyshev
@@ -28,7 +29,7 @@ COUNT = 32
 class TaylorVortices:
     """The disturbance of ``wavenumber`` k (1/length) that grows fastest, or decays slowest.
 
-    Between cylinders of ``radii`` (inner, outer) that turn at ``angular_velocities`` (1/time).
+    ``radii`` and ``angular_velocities`` (1/time) of the cylinders (inner, outer).
     """
 
     radii: tuple[float, float]
@@ -37,28 +38,28 @@ class TaylorVortices:
     wavenumber: float
 
     @property
-    def growth_rate(self):
+    def growth_rate(self) -> float:
         """Real part of s (1/time), which is real where it is above 0."""
         return float(self._leading[0].real)
 
-    def velocity(self, r):
-        """Amplitudes (3, ...) of u_r, u_x and u_t at radii ``r``, in the unit of the largest a, which is above 0."""
+    def velocity(self, r: Any) -> np.ndarray:
+        """Return the amplitudes (3, ...) of u_r, u_x and u_t at radii ``r``, scaled so that the largest a is 1."""
         radius = np.asarray(r, dtype=float)
         a, c = self._leading[1]
         slope = a.deriv()(radius)
         return np.stack([a(radius), -(slope + a(radius) / radius) / self.wavenumber, c(radius)])
 
     @cached_property
-    def _leading(self):
-        """s, and a and c as series of r."""
+    def _leading(self) -> tuple[complex, list[Chebyshev]]:
+        """s, and the series [a, c] in r."""
         from scipy.linalg import block_diag, eig
 
         basis = _Basis(*self.radii, self.wavenumber)
         slope, constant = coefficients(self.radii, self.angular_velocities)
         rotation = 2 * self.wavenumber**2 * (slope + constant / basis.r**2)[:, None] * basis.c
         nu = self.kinematic_viscosity
-        left = [[nu * basis.fourth, -rotation], [-2 * slope * basis.a, nu * basis.of_c]]
-        left = np.concatenate([test @ np.hstack(row) for test, row in zip(basis.tests, left, strict=True)])
+        rows = [[nu * basis.fourth, -rotation], [-2 * slope * basis.a, nu * basis.of_c]]
+        left = np.concatenate([test @ np.hstack(row) for test, row in zip(basis.tests, rows, strict=True)])
         values, vectors = eig(left, block_diag(basis.tests[0] @ basis.of_a, basis.tests[1] @ basis.c))
         leading = np.argmax(values.real)
         a, c = np.split(vectors[:, leading], 2)
@@ -68,8 +69,8 @@ class TaylorVortices:
         return values[leading], [Chebyshev((part / size).coef.real, domain=self.radii) for part in (a, c)]
 
 
-def critical_reynolds(radius_ratio, wavenumber):
-    """W1 R1 d/nu with the outer cylinder at rest at which s = 0, for k over 1/d; d = R2 - R1.
+def critical_reynolds(radius_ratio: float, wavenumber: float) -> float:
+    """Return the W1 R1 d/nu at which s = 0, with the outer cylinder at rest; ``wavenumber``: k d, d = R2 - R1.
 
     With s = 0 the equations are M^2 a = 2 k^2 (W1/nu)^2 w c and M c = 2 A/W1 a, w = W/W1: eigenvalues (W1/nu)^2.
     """
@@ -84,21 +85,21 @@ def critical_reynolds(radius_ratio, wavenumber):
     return float(radii[0] / np.sqrt(shares.real.max()))
 
 
-def coefficients(radii, angular_velocities):
-    """A and B of the angular velocity A + B/r^2."""
+def coefficients(radii: tuple[float, float], angular_velocities: tuple[float, float]) -> tuple[float, float]:
+    """Return A and B of the angular velocity A + B/r^2."""
     (inner, outer), (slow, fast) = np.square(radii), angular_velocities
     slope = (fast * outer - slow * inner) / (outer - inner)
     return slope, (slow - slope) * inner
 
 
 class _Basis:
-    """Polynomials of c (``once``) and a (``twice``) between radii, and at points ``r`` what operators make of them.
+    """Polynomials for c (``once``) and a (``twice``) between radii, and operators on them at points ``r``.
 
-    Matrices (points, polynomials): ``a``, ``c``, M a (``of_a``), M c (``of_c``) and M^2 a (``fourth``). ``tests``, of
-    the equations of a and of c: matrices (polynomials, points), of integrals over r dr with each polynomial.
+    Matrices (points, polynomials): ``a``, ``c``, M a (``of_a``), M c (``of_c``) and M^2 a (``fourth``). ``tests`` for
+    the equations of a and of c: matrices (polynomials, points) of integrals over r dr with each polynomial.
     """
 
-    def __init__(self, inner, outer, wavenumber):
+    def __init__(self, inner: float, outer: float, wavenumber: float) -> None:
         domain, k = (inner, outer), wavenumber**2
         z, weights = np.polynomial.legendre.leggauss(2 * COUNT)
         self.r = inner + (outer - inner) * (z + 1) / 2
@@ -106,7 +107,7 @@ class _Basis:
         self.once = [wall * Chebyshev.basis(n, domain=domain) for n in range(COUNT)]
         self.twice = [wall * each for each in self.once]
 
-        def derivatives(polynomials, orders):
+        def derivatives(polynomials: list[Chebyshev], orders: int) -> list[np.ndarray]:
             return [np.stack([each.deriv(n)(self.r) for each in polynomials], axis=1) for n in range(orders + 1)]
 
         r = self.r[:, None]

@@ -1,17 +1,20 @@
-"""A fluid that is sheared uniformly: what a rheometer would show if the fluid had no inertia.
+"""A fluid in uniform shear: the stresses that a rheometer would measure if the fluid had no inertia.
 
     shear stress = flux(rate) + sum of S_xy,    dC/dt = law.rate_in_shear(C, rate(t)),    S = law.stress(C)
 
-for each law (mode) of a polymer, from rest; C and laws as in ``start_up``, stresses of the unit of the laws' viscosity.
-Ordinary differential equations, integrated with an error of 1e-8 of the largest value (LSODA, piece by piece between
-changes of the rate). The steady stress is that after ``REMEMBERED`` of the longest relaxation times.
+for each law (mode) of a polymer, from rest; C and laws as in ``_fluids``, stresses in the unit of the laws' viscosity.
+The ordinary differential equations are integrated with an error of 1e-8 of the largest value (LSODA, piece by piece
+between changes of the rate). The steady stress is the stress after ``REMEMBERED`` times the longest relaxation time.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+
+from tisph.exact._fluids import PolymerLaw
 
 REMEMBERED = 60.0
 RATES = 32
@@ -25,14 +28,14 @@ RELATIVE, ABSOLUTE = 1e-10, 1e-13
 class UniformShear:
     """``flux(rate)``: shear stress of the solvent, or of an inelastic fluid; ``laws`` of a polymer's modes."""
 
-    flux: Any
-    laws: tuple[Any, ...] = ()
+    flux: Callable
+    laws: tuple[PolymerLaw, ...] = ()
 
-    def response(self, rates, times):
-        """Shear stress and N1 at ascending ``times`` (n,), two arrays (n,).
+    def response(self, rates: Sequence[tuple[float, Callable]], times: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return shear stress (n,) and N1 (n,) at ascending ``times`` (n,).
 
-        ``rates``: pairs (begin, function of time) ascending from (0, ...) on: the shear rate from each begin on, which
-        at the begin itself is still that before it.
+        ``rates``: ascending pairs (begin, function of time) from begin = 0 on: the shear rate after each begin. At the
+        begin itself the previous function holds.
         """
         times = np.asarray(times, dtype=float)
         begins = [begin for begin, _ in rates]
@@ -44,16 +47,16 @@ class UniformShear:
             stress[here], normal[here] = self._stresses(states, rate(times[here]))
         return stress, normal
 
-    def steady(self, rate):
-        """Shear stress and N1 of steady shear of a ``rate``."""
+    def steady(self, rate: float) -> tuple[float, float]:
+        """Return shear stress and N1 in steady shear of a ``rate``."""
         end = REMEMBERED * max((law.relaxation_time for law in self.laws), default=0.0)
         start = np.zeros(sum(law.components for law in self.laws))
         _, state = self._solved(lambda t: rate + 0.0 * t, 0.0, end, start, np.zeros(0))
         stress, normal = self._stresses(state[:, None], np.array([rate]))
         return float(stress[0]), float(normal[0])
 
-    def mean_velocity(self, drive, gap):
-        """Mean velocity of developed flow between plates at rest, ``gap`` apart, under a ``drive`` [stress/length] > 0.
+    def mean_velocity(self, drive: float, gap: float) -> float:
+        """Return the mean velocity of developed flow in a ``gap`` under a ``drive`` [stress/length] > 0.
 
         u_mean = [(gap/2)^2 rate_w - integral of (stress/drive)^2 d rate from 0 to rate_w]/gap, since the stress is
         ``drive`` times the distance from mid-gap (Weissenberg and Rabinowitsch); rate_w: shear rate at the walls.
@@ -71,24 +74,26 @@ class UniformShear:
         below = wall_rate * float(np.sum(0.5 * weights * 3.0 * part**2 * squares))
         return (0.25 * gap**2 * wall_rate - below) / gap
 
-    def _parts(self, state):
+    def _parts(self, state: np.ndarray) -> list[np.ndarray]:
         ends = np.cumsum([0, *(law.components for law in self.laws)])
         return [state[a:b] for a, b in pairwise(ends.tolist())]
 
-    def _stresses(self, states, rate):
+    def _stresses(self, states: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         shear, normal = self.flux(rate), np.zeros(len(rate))
         for law, c in zip(self.laws, self._parts(states), strict=True):
             xx, xy, yy = law.stress(tuple(c))[:3]
             shear, normal = shear + xy, normal + (xx - yy)
         return shear, normal
 
-    def _solved(self, rate, begin, end, start, times):
-        """States (components, n) at ``times``, and at the ``end``."""
+    def _solved(
+        self, rate: Callable, begin: float, end: float, start: np.ndarray, times: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the states (components, n) at ``times``, and the state (components,) at the ``end``."""
         if not self.laws or end <= begin:
             return np.repeat(start[:, None], len(times), axis=1), start
         from scipy.integrate import solve_ivp  # a fifth of a second, of no use to most runs
 
-        def change(t, state):
+        def change(t: float, state: np.ndarray) -> np.ndarray:
             now = float(rate(t))
             parts = zip(self.laws, self._parts(state), strict=True)
             return np.concatenate([[1.0 * one for one in law.rate_in_shear(tuple(c), now)] for law, c in parts])

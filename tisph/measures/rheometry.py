@@ -259,8 +259,8 @@ def read(config, channel, table, contacts=None, last=None):
     fluid = spectrum(config.fluid.rheology, channel)
     if "n1_mean" in table:
         y = (np.arange(HEIGHTS)[:, None] + 0.5) * channel.gap / HEIGHTS
-        normal = channel.exact_polymer_stress(y, table["t"])[0] - channel.exact_transverse_stress(y, table["t"])
-        table = {**table, "n1_exact": normal.mean(axis=0)}
+        xx, _, yy = channel.exact_polymer_stress(y, table["t"])
+        table = {**table, "n1_exact": (xx - yy).mean(axis=0)}
     if channel.driven_side is not None:
         return _creep(channel, fluid, table)
     moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]

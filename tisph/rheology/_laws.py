@@ -1,18 +1,18 @@
-"""What laws share: of polymers the variable that particles carry, and how a flow deforms it; of others a viscosity.
+"""Base classes of laws: the conformation tensor of polymers and its deformation by the flow, or a viscosity.
 
-The variable of polymers is the excess C = A - 1 of the conformation tensor A over its value at rest, which is 1. With
-L_ab = du_a/dx_b and d/dt along a particle's path every law reads
+Particles of a polymer solution carry the excess C = A - 1 of the conformation tensor A over its value 1 at rest. With
+L_ab = du_a/dx_b and d/dt along a particle's path every law is
 
     dC/dt = L C + C L^T + L + L^T + relaxation(C),    S = stress(C),    relaxation(0) = stress(0) = 0
 
-Components stand in the order xx, xy, yy and, where the law needs it, zz. The functions are arithmetic on components
-without branches: NumPy arrays, real or complex, Python floats and Taichi expressions all pass through the same lines.
-In a kernel they are called as ``ti.static(law.relaxation((xx, xy, yy)))``, without which Taichi warns of them.
+The order of components is xx, xy, yy and, where the law needs it, zz. The functions are arithmetic on components
+without branches: NumPy arrays, real or complex, Python floats and Taichi expressions all use the same lines. Kernels
+call them as ``ti.static(law.relaxation((xx, xy, yy)))``, since Taichi warns of other calls.
 
 Source: A. N. Beris and B. J. Edwards, Thermodynamics of Flowing Systems (1994), chapter 8.
 """
 
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import AfterValidator
@@ -32,14 +32,14 @@ def _share(value: float) -> float:
 
 
 SolventFraction = Annotated[float, AfterValidator(_share)]
-"""The solvent's share of the total viscosity that stands in ``fluid``."""
+"""The solvent's fraction of the total viscosity in ``fluid``."""
 
 
-def exp(x):
-    """The exponential function of NumPy arrays, numbers and Taichi expressions alike."""
+def exp(x: Any) -> Any:
+    """Return the exponential of a NumPy array, a number or a Taichi expression."""
     if isinstance(x, (np.ndarray, np.number, float, complex)):
         return np.exp(x)
-    from tisph.runtime import ti  # an expression in a kernel: Taichi is there already
+    from tisph.runtime import ti  # an expression in a kernel: Taichi is loaded already
 
     return ti.exp(x)
 
@@ -49,8 +49,10 @@ class Inelastic(Model):
 
     carries_stress: ClassVar[bool] = False
 
-    def law(self, viscosity, density):
-        """``Law`` of a fluid with these parameters; ``viscosity`` is that of ``fluid``, over the ``density``."""
+    type: str
+
+    def law(self, viscosity: float, density: float) -> Any:
+        """Return the ``Law``; ``viscosity``: the viscosity in ``fluid`` divided by the ``density``."""
         return registry.load("rheology", self.type).Law(self, viscosity, density)
 
 
@@ -64,49 +66,52 @@ class Mode(Model):
     type: str
     relaxation_time: Positive
 
-    def laws(self, viscosity):
-        """Tuple of the one ``Law`` of a fluid whose total viscosity is ``viscosity``."""
+    if TYPE_CHECKING:
+        solvent_fraction: float  # a field of the ``Parameters`` of each law
+
+    def laws(self, viscosity: float) -> tuple:
+        """Return the tuple of the one ``Law`` of a fluid with the total ``viscosity``."""
         return (self.law((1.0 - self.solvent_fraction) * viscosity),)
 
-    def law(self, polymer_viscosity):
-        """``Law`` of this mode."""
+    def law(self, polymer_viscosity: float) -> Any:
+        """Return the ``Law`` of this mode."""
         return registry.load("rheology", self.type).Law(self, polymer_viscosity)
 
 
 class Law:
     """A polymer of modulus ``polymer_viscosity`` / relaxation time.
 
-    Stresses are per unit density where ``polymer_viscosity`` is (kinematic, length^2/time), and mass/(length time^2)
-    where it is dynamic.
+    Stresses are per unit density if ``polymer_viscosity`` is kinematic [length^2/time], and in mass/(length time^2) if
+    it is dynamic. ``c``: tuple of the components of C, each an array, a number or a Taichi expression.
     """
 
-    components: ClassVar[int] = 3
+    components: int = 3
 
-    def __init__(self, parameters, polymer_viscosity):
+    def __init__(self, parameters: Any, polymer_viscosity: float) -> None:
         self.relaxation_time = parameters.relaxation_time
         self.polymer_viscosity = polymer_viscosity
         self.modulus = polymer_viscosity / parameters.relaxation_time
 
-    def in_three_dimensions(self):
-        """Let the components be xx, xy, yy and zz, whether the law needs the last in planar flow or not."""
+    def in_three_dimensions(self) -> "Law":
+        """Set the components to xx, xy, yy and zz, even if the law does not need zz in planar flow; return self."""
         self.components = 4
         return self
 
-    def relaxation(self, c):
-        """Tuple of dC/dt by relaxation alone, at the components ``c``."""
+    def relaxation(self, c: Any) -> tuple:
+        """Return the components of dC/dt by relaxation alone, at the components ``c``."""
         raise NotImplementedError
 
-    def stress(self, c):
-        """Tuple of the polymer stress S at the components ``c``: modulus * C."""
+    def stress(self, c: Any) -> tuple:
+        """Return the components of the polymer stress S at the components ``c``: modulus * C."""
         return tuple(self.modulus * c[k] for k in range(self.components))
 
-    def rate_in_shear(self, c, rate):
-        """Tuple of dC/dt in simple shear, du/dy = ``rate``: without a gradient along y, C_yy is not stretched."""
+    def rate_in_shear(self, c: Any, rate: Any) -> tuple:
+        """Return the components of dC/dt in simple shear, du/dy = ``rate``; C_yy changes by relaxation only."""
         xx, xy, *rest = self.relaxation(c)
         return (2 * rate * c[1] + xx, rate * (1 + c[2]) + xy, *rest)
 
-    def rate(self, c, gradient):
-        """Tuple of dC/dt for the components xx, xy, yx, yy of the velocity ``gradient`` L, L_xy = du/dy."""
+    def rate(self, c: Any, gradient: Any) -> tuple:
+        """Return the components of dC/dt for the velocity ``gradient`` L: xx, xy, yx, yy, L_xy = du/dy."""
         lxx, lxy, lyx, lyy = (gradient[k] for k in range(4))
         xx, xy, yy, *rest = self.relaxation(c)
         return (

@@ -1,4 +1,6 @@
-"""The stress of ``oldroyd_b.py`` as the explicit scheme's particles carry it: S itself, not the conformation."""
+"""The law of ``oldroyd_b.py`` for the explicit scheme, whose particles carry the stress S, not the conformation."""
+
+from typing import Any
 
 from tisph.runtime import scalar, ti
 
@@ -7,7 +9,7 @@ from tisph.runtime import scalar, ti
 class Stress:
     """The law of the polymer stress that particles carry: (xx, xy, yy) over the reference density."""
 
-    def __init__(self, channel):
+    def __init__(self, channel: Any) -> None:
         self.relaxation_rate = scalar(1.0 / channel.polymer.relaxation_time)
         self.modulus = scalar(channel.polymer_viscosity / channel.polymer.relaxation_time)
 
@@ -18,7 +20,7 @@ class Stress:
 
     @ti.func
     def stretched(self, stress, gradient):
-        """Return L S + S L^T: stress carried along with the deformation."""
+        """Return L S + S L^T: the deformation of existing stress."""
         xx, xy, yy = stress[0], stress[1], stress[2]
         return ti.Vector(
             [
@@ -30,6 +32,6 @@ class Stress:
 
     @ti.func
     def strained(self, gradient):
-        """Return G (L + L^T): stress that the deformation makes anew."""
+        """Return G (L + L^T): the stress that the deformation creates."""
         shear = gradient[0, 1] + gradient[1, 0]
         return self.modulus[None] * ti.Vector([2.0 * gradient[0, 0], shear, 2.0 * gradient[1, 1]])

@@ -2,12 +2,13 @@
 
     viscosity = eta_inf + (eta - eta_inf) (1 + (time * rate)^transition)^((index - 1)/transition)
 
-with rate^2 = 2 D:D = (du/dy)^2 in shear. The viscosity eta in ``fluid`` is that at vanishing shear rate, and eta_inf =
-fraction_at_infinity * eta; scales go by eta. The transition 2 is Carreau's law. Sources: P. J. Carreau, Trans. Soc.
-Rheol. 16 (1972) 99-127; K. Yasuda, R. C. Armstrong and R. E. Cohen, Rheol. Acta 20 (1981) 163-178.
+with rate^2 = 2 D:D = (du/dy)^2 in shear. eta in ``fluid`` is the viscosity at vanishing shear rate, and eta_inf =
+fraction_at_infinity * eta; scales such as the Reynolds number are computed with eta. The transition 2 is Carreau's law.
+Sources: P. J. Carreau, Trans. Soc. Rheol. 16 (1972) 99-127; K. Yasuda, R. C. Armstrong and R. E. Cohen, Rheol. Acta 20
+(1981) 163-178.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -18,8 +19,8 @@ from tisph.rheology import _laws
 class Parameters(_laws.Inelastic):
     """``time``, lambda: 1/shear rate at the onset of thinning; ``index``, n, of the power law, 0.3 to 1.5.
 
-    ``transition``, Yasuda's a, 1 to 4: how sharp the onset is. ``fraction_at_infinity``, 0 to 1: viscosity at infinite
-    over that at vanishing shear rate.
+    ``transition``, Yasuda's a, 1 to 4: sharpness of the onset. ``fraction_at_infinity``, 0 to 1: eta_inf/eta, the
+    viscosity at infinite over the viscosity at vanishing shear rate.
     """
 
     type: Literal["carreau_yasuda"] = "carreau_yasuda"
@@ -30,17 +31,17 @@ class Parameters(_laws.Inelastic):
 
 
 class Law:
-    """Its viscosity, in the unit of ``viscosity``, that of the fluid; arithmetic as of the laws of polymers."""
+    """Law with the unit of the fluid's ``viscosity``; arithmetic without branches, see ``_laws``."""
 
-    def __init__(self, parameters, viscosity, density=1.0):
+    def __init__(self, parameters: Any, viscosity: float, density: float = 1.0) -> None:
         self.infinite = parameters.fraction_at_infinity * viscosity
         self.falling = viscosity - self.infinite
         self.time_squared = parameters.time**2
         self.half = 0.5 * parameters.transition
         self.power = (parameters.index - 1.0) / parameters.transition
 
-    def viscosity(self, shear_rate_squared):
-        """Viscosity at the square of the shear rate."""
+    def viscosity(self, shear_rate_squared: Any) -> Any:
+        """Return the viscosity at the square of the shear rate."""
         return (
             self.infinite + self.falling * (1.0 + (self.time_squared * shear_rate_squared) ** self.half) ** self.power
         )

@@ -13,7 +13,7 @@ Source: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric Liqui
 
 import math
 from functools import cache
-from typing import Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -30,49 +30,52 @@ class _Share(Model):
 
     fraction: Annotated[float, Field(gt=0, le=1)]
 
-    def __reduce__(self):
-        """Made anew from its numbers in another process: its class stands in no module."""
+    if TYPE_CHECKING:
+        type: str  # a field of the mode
+
+    def __reduce__(self) -> tuple:
+        """Return a recipe for another process: the class is made at run time, so that it is in no module."""
         return _with_numbers, (self.type, dict(self))
 
 
 class _OfMode(Member):
-    """A map whose ``type`` names a polymer, with its numbers and its share."""
+    """A map whose ``type`` names a polymer, with its parameters and its fraction."""
 
-    def model(self, value):
-        """Parameter model of the mode that the raw map ``value`` names, None where it names none."""
+    def model(self, value: object) -> type[Model] | None:
+        """Return the parameter model of the mode that the raw map ``value`` names, None if there is none."""
         found = super().model(value)
         mode = found and _mode(found.model_fields["type"].default)
         return mode and _with_share(mode)
 
-    def _refuse(self, value):
+    def _refuse(self, value: Any) -> Exception:
         if not isinstance(value, dict):
             return super()._refuse(value)
         choices = [name for name in registry.names("rheology") if _mode(name)]
         return refusals([(("type",), one_of(choices) + nearest(value["type"], choices), value["type"])])
 
 
-def _mode(name):
-    """Parameter model of a mode of the rheology ``name``, None where that is no polymer of one mode."""
+def _mode(name: str) -> type[Model] | None:
+    """Return the parameter model of a mode of the rheology ``name``, None if that is not a polymer of one mode."""
     return getattr(registry.load("rheology", name), "Mode", None)
 
 
 @cache
-def _with_share(mode):
+def _with_share(mode: type[Model]) -> type[Model]:
     return type("Mode", (_Share, mode), {"__doc__": mode.__doc__, "__module__": mode.__module__})
 
 
-def _with_numbers(name, numbers):
+def _with_numbers(name: str, numbers: dict[str, Any]) -> Model:
     return _with_share(_mode(name))(**numbers)
 
 
 Modes = Annotated[
-    tuple[Annotated[Model, _OfMode("rheology", usual="oldroyd_b")], ...],
+    tuple[Annotated[Any, _OfMode("rheology", usual="oldroyd_b")], ...],
     Field(strict=False, max_length=MOST_MODES),
 ]
 
 
 class Parameters(Model):
-    """The solvent's share of the total viscosity that stands in ``fluid``, and the ``modes``."""
+    """The solvent's fraction of the total viscosity in ``fluid``, and the ``modes``."""
 
     carries_stress: ClassVar[bool] = True
 
@@ -81,7 +84,7 @@ class Parameters(Model):
     modes: Modes
 
     @model_validator(mode="after")
-    def _check_sum(self):
+    def _check_sum(self) -> "Parameters":
         if not self.modes:
             raise refusals([(("modes",), "must not be empty", {})])
         total = self.solvent_fraction + math.fsum(mode.fraction for mode in self.modes)
@@ -90,12 +93,12 @@ class Parameters(Model):
             raise refusals([(("modes",), f"the fractions {text}", {})])
         return self
 
-    def laws(self, viscosity):
-        """Tuple of the ``Law`` of each mode; ``viscosity`` is the total one."""
+    def laws(self, viscosity: float) -> tuple:
+        """Return the ``Law`` of each mode; ``viscosity``: total viscosity."""
         return tuple(mode.law(mode.fraction * viscosity) for mode in self.modes)
 
     @property
-    def relaxation_time(self):
-        """Mean relaxation time of the modes, by their shares [time]."""
+    def relaxation_time(self) -> float:
+        """Mean relaxation time of the modes, weighted by their fractions [time]."""
         whole = sum(mode.fraction for mode in self.modes)
         return sum(mode.fraction * mode.relaxation_time for mode in self.modes) / whole

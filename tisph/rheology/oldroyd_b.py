@@ -7,7 +7,7 @@ eta_s = solvent_fraction * eta acts as in a Newtonian fluid (J. G. Oldroyd, Proc
 523-541). S [mass/(length time^2)] is symmetric; d/dt follows a particle.
 """
 
-from typing import Literal
+from typing import Any, Literal
 
 from tisph.rheology import _laws
 
@@ -19,7 +19,7 @@ class Mode(_laws.Mode):
 
 
 class Parameters(Mode):
-    """Relaxation time [time], and the solvent's share of the total viscosity that stands in ``fluid``."""
+    """Relaxation time [time], and the solvent's fraction of the total viscosity in ``fluid``."""
 
     solvent_fraction: _laws.SolventFraction
 
@@ -27,6 +27,6 @@ class Parameters(Mode):
 class Law(_laws.Law):
     """S = modulus * C, the polymer a suspension of linear springs; see ``_laws.Law``."""
 
-    def relaxation(self, c):
-        """-C/relaxation_time."""
+    def relaxation(self, c: Any) -> tuple:
+        """Return -C/relaxation_time."""
         return tuple(-1.0 / self.relaxation_time * c[k] for k in range(self.components))

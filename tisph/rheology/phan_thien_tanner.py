@@ -1,19 +1,19 @@
-"""Phan-Thien-Tanner fluid: a network of polymers that falls apart the faster the more it is stretched.
+"""Phan-Thien-Tanner fluid: a network of polymers that is destroyed faster the more it is stretched.
 
     Y S + relaxation_time * (dS/dt - L S - S L^T) = eta_p (L + L^T),    z = extensibility * relaxation_time/eta_p * tr S
     Y = 1 + z (form ``linear``)  or  exp(z) (``exponential``)
 
-with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent adds what a Newtonian fluid of the viscosity
-solvent_fraction * eta does, and eta, in ``fluid``, is the viscosity at vanishing shear rate. It is the affine fluid,
-without slip between network and flow. In the excess C of the conformation tensor over rest,
-S = eta_p/relaxation_time * C and relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
+with L_ab = du_a/dx_b and eta_p = (1 - solvent_fraction) eta; the solvent is Newtonian with the viscosity
+solvent_fraction * eta, and eta, in ``fluid``, is the viscosity at vanishing shear rate. The network is affine: it does
+not slip relative to the flow. In the excess C of the conformation tensor over rest, S = eta_p/relaxation_time * C and
+relaxation(C) = -Y C/relaxation_time with z = extensibility * tr C.
 
-Shear thins; N2 is 0; the elongational viscosity has a largest value (linear: levels off; exponential: falls again).
-With extensibility 0 it would be ``oldroyd_b``. Sources: N. Phan-Thien and R. I. Tanner, J. Non-Newtonian Fluid Mech. 2
-(1977) 353-365 (linear); N. Phan-Thien, J. Rheol. 22 (1978) 259-283 (exponential).
+The fluid is shear-thinning; N2 is 0; the elongational viscosity is bounded (linear: it levels off; exponential: it has
+a maximum). With extensibility 0 it is ``oldroyd_b``. Sources: N. Phan-Thien and R. I. Tanner, J. Non-Newtonian Fluid
+Mech. 2 (1977) 353-365 (linear); N. Phan-Thien, J. Rheol. 22 (1978) 259-283 (exponential).
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -29,7 +29,7 @@ class Mode(_laws.Mode):
 
 
 class Parameters(Mode):
-    """As ``Mode``, and the solvent's share of the total viscosity that stands in ``fluid``."""
+    """As ``Mode``, and the solvent's fraction of the total viscosity in ``fluid``."""
 
     solvent_fraction: _laws.SolventFraction
 
@@ -37,13 +37,13 @@ class Parameters(Mode):
 class Law(_laws.Law):
     """S = modulus * C; see ``_laws.Law``."""
 
-    def __init__(self, parameters, polymer_viscosity):
+    def __init__(self, parameters: Any, polymer_viscosity: float) -> None:
         super().__init__(parameters, polymer_viscosity)
         self.extensibility = parameters.extensibility
         self.destruction = {"linear": _linear, "exponential": _laws.exp}[parameters.form]
 
-    def relaxation(self, c):
-        """-Y C/relaxation_time."""
+    def relaxation(self, c: Any) -> tuple:
+        """Return -Y C/relaxation_time."""
         trace = c[0] + c[2]
         for k in range(3, self.components):
             trace = trace + c[k]
@@ -51,5 +51,5 @@ class Law(_laws.Law):
         return tuple(rate * c[k] for k in range(self.components))
 
 
-def _linear(z):
+def _linear(z: Any) -> Any:
     return 1.0 + z

@@ -2,14 +2,14 @@
 
     viscosity = eta * ((rate^2 + least_rate^2)/reference_rate^2)^((index - 1)/2),    rate^2 = 2 D:D = (du/dy)^2 in shear
 
-The viscosity eta in ``fluid`` is that at ``reference_rate``, so that the consistency is K = eta * reference_rate^(1 -
-index), and the shear stress K rate^index. Below ``least_rate`` the fluid is Newtonian: without that, its viscosity at
-rest would be infinite (index < 1) or 0 (index > 1). Scales (Reynolds number, viscous time) go by eta: take as the
-reference rate one that is typical of the flow. Source: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of
-Polymeric Liquids 1 (2nd ed. 1987), section 4.1.
+eta in ``fluid`` is the viscosity at ``reference_rate``, so that the consistency is K = eta * reference_rate^(1 -
+index), and the shear stress K rate^index. Below ``least_rate`` the fluid is Newtonian: otherwise its viscosity at rest
+would be infinite (index < 1) or 0 (index > 1). Scales (Reynolds number, viscous time) are computed with eta: take a
+reference rate that is typical of the flow. Source: R. B. Bird, R. C. Armstrong and O. Hassager, Dynamics of Polymeric
+Liquids 1 (2nd ed. 1987), section 4.1.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -27,13 +27,13 @@ class Parameters(_laws.Inelastic):
 
 
 class Law:
-    """Its viscosity, in the unit of ``viscosity``, that of the fluid; arithmetic as of the laws of polymers."""
+    """Law with the unit of the fluid's ``viscosity``; arithmetic without branches, see ``_laws``."""
 
-    def __init__(self, parameters, viscosity, density=1.0):
+    def __init__(self, parameters: Any, viscosity: float, density: float = 1.0) -> None:
         self.scale = viscosity
         self.power = 0.5 * (parameters.index - 1.0)
         self.reference, self.least = parameters.reference_rate**2, parameters.least_rate**2
 
-    def viscosity(self, shear_rate_squared):
-        """Viscosity at the square of the shear rate."""
+    def viscosity(self, shear_rate_squared: Any) -> Any:
+        """Return the viscosity at the square of the shear rate."""
         return self.scale * ((shear_rate_squared + self.least) / self.reference) ** self.power

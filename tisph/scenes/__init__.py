@@ -1,4 +1,4 @@
-"""Scenes: geometry, boundary motion and exact solution of a flow. One file each; ``_scene.py`` says what it needs."""
+"""Scenes: geometry, boundary motion and exact solution of a flow. One file each; ``_scene.py`` has the protocol."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,7 +1,11 @@
-"""A cell with bodies, periodic or between walls: fluid around them, which they, walls or an acceleration drive."""
+"""A cell with bodies, periodic or between walls: fluid around the bodies, driven by bodies, walls or an acceleration.
+
+``Cell`` is the scene of a lattice, of a channel with bodies and of a planar region. It records forces and torques on
+the bodies, motions of free bodies, mean velocities, and the mean shear stress of a sheared suspension.
+"""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,25 +17,26 @@ from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
 from tisph.geometry.body import POINTS, Body, smallest_gap
+from tisph.geometry.line import Line
+from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
 from tisph.measures import resolution
 from tisph.measures.fits import cell_mean
-from tisph.scenes import _free_bodies, _suspension_stress, _two_dimensional
-from tisph.scenes._body_scene import BodyScene, farthest, largest_speed
 from tisph.scenes._initial import still_problem
-from tisph.scenes._layers import depth
-from tisph.scenes._views import TimeSeries
+from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed
+from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics, velocity_profile
+from tisph.snapshot import Snapshot
 
 MOMENTS = 25
-"""Times at which it is looked whether bodies that move keep apart."""
+"""Number of times at which the gaps between moving bodies are checked."""
 
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
-    """What is wrong with the ``config`` of a cell with these ``bodies``, and ``walls`` by what messages call them."""
+    """Yield the errors in the ``config`` of a cell with these ``bodies``; ``walls`` by their names in messages."""
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
-    free = [body for body in bodies if body.free]
+    free: list[Any] = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
     if not moving and not pulled and not config.drive.acceleration:
         remedy = "give an acceleration, or let a body or a wall move"
@@ -43,12 +48,17 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     shapes = [(f"bodies.{index}", given[index] if listed else given, body) for index, body in enumerate(bodies)]
     shapes += [(key, config.walls.around, wall) for key, wall in walls.items() if wall.shape.area]
     found = [*size_problems(shapes, config.spacing, config.across)]
-    found += room_problems(bodies, walls, config.spacing, _times(config, bodies))
+    known = not free and any(largest_speed(body) for body in bodies)  # motions that change the gaps
+    times = np.linspace(0.0, config.time.end, MOMENTS).tolist() if known else (0.0,)
+    found += room_problems(bodies, walls, config.spacing, times)
     yield from found if listed else dict.fromkeys(_in_common(problem, config) for problem in found)
 
 
 def _in_common(problem: Problem, config: Any) -> Problem:
-    """A problem of one body of a suspension by the key that all have; where some come too close, by the cause."""
+    """Return a problem of one body of a suspension with the key that all its bodies share.
+
+    Bodies that are too close get the key of the cause: the least gap, or the motion.
+    """
     key, text, *_ = problem
     if not key.startswith("bodies."):
         return key, text
@@ -59,15 +69,22 @@ def _in_common(problem: Problem, config: Any) -> Problem:
     return "bodies.least_gap" if close else "bodies.motion", f"body {number} {text}"
 
 
-def _times(config: Any, bodies: Sequence[Body]) -> Sequence[float]:
-    """Times at which bodies are looked at: the first alone where none of them goes anywhere, or where is not known."""
-    if any(body.free for body in bodies) or not any(largest_speed(body) for body in bodies):
-        return (0.0,)
-    return np.linspace(0.0, config.time.end, MOMENTS).tolist()
+@dataclass(frozen=True)
+class Surroundings:
+    """Causes of the motion of free bodies: ``density`` and ``acceleration`` along x of the fluid, ``gravity`` (2,)."""
+
+    density: float
+    acceleration: float
+    gravity: tuple[float, float]
+
+    @classmethod
+    def of(cls, config: Any) -> "Surroundings":
+        """Return the surroundings that a ``config`` describes."""
+        return cls(config.fluid.density, config.drive.acceleration, config.drive.gravity or (0.0, 0.0))
 
 
 def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] = (0.0, 0.0)) -> list[Body]:
-    """The bodies in the fluid between these ``walls``, in a cell whose lowest corner is ``origin``.
+    """Return the bodies in the fluid between these ``walls``, in a cell whose lowest corner is ``origin``.
 
     Its periods are infinite where there are walls. ValidationError where a suspension does not fit.
     """
@@ -77,100 +94,117 @@ def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] =
     if not isinstance(given, tuple):
         high = (origin[0] + config.extent[0], origin[1] + config.extent[1])
         given = given.bodies(Region(tuple(walls.values()), origin, high, config.periodic))
-    return [body.body(periods, surroundings(config)) for body in given]
+    return [body.body(periods, Surroundings.of(config)) for body in given]
 
 
-@dataclass(frozen=True)
-class Surroundings:
-    """What moves free bodies: ``density`` of the fluid, its ``acceleration`` along x, and ``gravity`` (2,)."""
+def plane_walls(length: float, gap: float, walls: Any) -> dict[str, Body]:
+    """Return the walls ``bottom`` at y = 0 and ``top`` at y = ``gap`` by name, with a period ``length`` along x.
 
-    density: float
-    acceleration: float
-    gravity: tuple[float, float]
+    ``walls``: a config section with ``bottom`` and ``top``, motions along x.
+    """
+    lines = {"bottom": Line((0.0, 0.0), (1.0, 0.0), length), "top": Line((length, gap), (-1.0, 0.0), length)}
+    motions = {name: RigidMotion(WallMotion.from_config(getattr(walls, name))) for name in lines}
+    return {name: Body(line, motion=motions[name]) for name, line in lines.items()}
 
 
-def surroundings(config: Any) -> Surroundings:
-    """Those of a ``config``."""
-    return Surroundings(config.fluid.density, config.drive.acceleration, config.drive.gravity or (0.0, 0.0))
+def planes(walls: dict[str, Body]) -> tuple[tuple[str, Any], ...]:
+    """Return the pairs of ``Scene.walls``, (side, motion) from top to bottom, of walls from ``plane_walls``."""
+    return tuple((name, walls[name].motion.x) for name in ("top", "bottom"))
 
 
 LOADS = ("drag", "lift", "torque")
-"""Of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
-
-
-def kinds(body):
-    """Those of ``LOADS`` that a body has: a straight wall, which goes on for ever, has no torque."""
-    return LOADS if body.shape.area else LOADS[:2]
-
-
-def _loads(bodies, index):
-    """Return all loads of a body, and those of the pressure."""
-    if bodies is None:
-        return (None,) * 3, (None,) * 3
-    pressure = (*bodies.pressure_force[index], bodies.pressure_torque[index])
-    return (*bodies.force[index], bodies.torque[index]), pressure
-
+"""Loads of the fluid on a body: force along x and along y, torque around its centre, per length across the plane."""
 
 VELOCITY = "superficial_velocity"
+
+MOST_FOLLOWED = 6
+"""Free bodies that are recorded one by one; of more, which no table or picture can show, only means are recorded."""
+
+SHOWN = 3
+"""Most free bodies in the panel of a movie."""
+
+PLACES = ("x", "y", "angle")
+MOTIONS = {"x": "length", "y": "length", "angle": "angle", "u": "velocity", "v": "velocity", "angular_velocity": "rate"}
+"""Recorded quantities of each free body, and their kinds of unit."""
+
+MEANS = {
+    "bodies_mean_u": ("velocity", "mean velocity of bodies", "along x"),
+    "bodies_mean_v": ("velocity", "mean velocity of bodies", "along y"),
+    "bodies_mean_angular_speed": ("rate", "mean angular speed of bodies", "all bodies"),
+}
+"""Recorded means over many free bodies: kind of unit, name of the axis, and name in the legend."""
+
+STRESS_ON_WALLS, STRESS_BY_BODIES, STRESS_BY_CONTACTS = (
+    "shear_stress_walls",
+    "shear_stress_bodies",
+    "shear_stress_contacts",
+)
+STRESS_WORDS = {
+    STRESS_ON_WALLS: "on the walls",
+    STRESS_BY_BODIES: "by the bodies",
+    STRESS_BY_CONTACTS: "contacts in that",
+}
+"""Names of the mean shear stresses in a legend."""
+
 MOST_RATIOS = 3
-"""Ratios of densities that are named one by one."""
-
-SERIES_UNITS = {"drag": "force", "lift": "force", "torque": "torque"} | _free_bodies.UNITS
-
+"""Most density ratios that are listed one by one."""
 
 KOZENY = 5.0
 """Constant of Kozeny and Carman: permeability = porosity^3 / (5 wetted length per area^2)."""
 
 FRONT = 2.4
-"""Depth of the layer in front of a body, in sqrt(nu/a), a = 2 U/R being the strain rate there: the velocity is 99 % of
-that outside (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
+"""Depth of the layer in front of a body, in sqrt(nu/a), where the velocity is 99 % of the outer one; a = 2 U/R is the
+strain rate there (stagnation flow, K. Hiemenz, Dinglers Polytech. J. 326 (1911) 321-324)."""
 
 CONTACT = 2.0
-"""Distance, in particle spacings, from which on bodies push each other off, if a config does not give another."""
+"""Default distance, in particle spacings, below which bodies repel each other."""
 
 STIFFNESS = 20.0
-"""Pressure of contact at half that distance, over those of inertia and viscosity. With 1 bodies in shear come within
-0.4 spacings, where operators have no more than points on walls to go by."""
+"""Pressure of contact at half that distance, over the inertial plus the viscous pressure. With 1, bodies in shear come
+within 0.4 spacings of each other, where operators have only points on walls as neighbours."""
 
 FEW = 100
-"""Points on each wall from which gaps are taken as bodies move: once a line of the history, good to 1e-3."""
-
+"""Points on each wall for the gaps of moving bodies: computed once a line of the history, good to 1e-3."""
 
 TOGETHER = 1e-3
-"""Part of the reference velocity below which bodies and fluid count as moving together."""
+"""Fraction of the reference velocity below which bodies and fluid count as moving together."""
+
+
+def load_kinds(body: Body) -> tuple[str, ...]:
+    """Return the ``LOADS`` that a body has: a straight wall, which is infinitely long, has no torque."""
+    return LOADS if body.shape.area else LOADS[:2]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell(BodyScene):
     """``bodies`` in a cell of ``size`` (width, height) that is ``periodic`` or has walls, which are bodies, too.
 
-    ``names`` are those of the bodies as they are put after those of their numbers, such as ``_0`` in ``drag_0``. The
-    first ``count`` are in the fluid, the others around it. ``planes``: pairs as in ``Scene.walls``. ``start``: function
-    of x, y with the velocities (2, ...) of the fluid before the start, None where it is at rest.
+    The first ``count`` bodies are in the fluid, the others are walls around it. ``names``: suffix of each body in names
+    of quantities, such as ``_0`` in ``drag_0``. ``contact_distance``: distance below which free bodies repel.
     """
 
     size: tuple[float, float]
     names: tuple[str, ...]
     count: int
-    bodies: tuple = ()
+    bodies: tuple[Body, ...] = ()
     periodic: tuple[bool, bool] = (True, True)
     origin: tuple[float, float] = (0.0, 0.0)
     acceleration: float = 0.0
     gravity: tuple[float, float] = (0.0, 0.0)
     contact_distance: float = 0.0
-    planes: tuple = ()
-    start: object = None
+    walls: tuple[tuple[str, WallMotion], ...] = ()
+    initial_velocity: Callable | None = None
 
     @classmethod
-    def around(cls, config, bodies, walls, **others):
-        """The scene of a ``config`` with these ``bodies`` in the fluid, and ``walls`` by their names."""
+    def around(cls, config: Any, bodies: Sequence[Body], enclosing: dict[str, Body], **others: Any) -> "Cell":
+        """Return the scene of a ``config`` with ``bodies`` in the fluid and the ``enclosing`` walls, by their names."""
         numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))
         return cls(
             **cls.fluid_of(config),
             size=config.extent,
-            names=(*numbers, *(f"_{name}" for name in walls)),
+            names=(*numbers, *(f"_{name}" for name in enclosing)),
             count=len(bodies),
-            bodies=(*bodies, *walls.values()),
+            bodies=(*bodies, *enclosing.values()),
             periodic=config.periodic,
             acceleration=config.drive.acceleration,
             gravity=config.drive.gravity or (0.0, 0.0),
@@ -179,106 +213,105 @@ class Cell(BodyScene):
         )
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float]:
         """Width and height of the cell."""
         return self.size
 
     @property
-    def walls(self):
-        """The plane walls."""
-        return self.planes
+    def area(self) -> float:
+        """Area of the cell, fluid and bodies."""
+        return float(np.prod(self.size))
 
     @cached_property
-    def reference_length(self):
-        """Height of the largest body, as it stands at first; that of the cell without bodies."""
+    def reference_length(self) -> float:
+        """Height of the largest body in its initial orientation; the height of the cell without bodies."""
         heights = [np.ptp(body.shape.extent[:, 1]) for body in self.bodies[: self.count]]
         return float(max(heights, default=self.size[1]))
 
-    @cached_property
-    def fastest_body(self):
-        """Speed of the fastest body or wall, roughly of those that a load moves."""
-        return max(self.driven_wall, max(map(self._pulled_speed, self.bodies)))
-
     @property
-    def driven_wall(self):
-        """Speed of the fastest body or wall, as the config gives it: of free bodies before the start."""
+    def driven_wall(self) -> float:
+        """Speed of the fastest body or wall in the config; for free bodies, the speed before the start."""
         return max(map(largest_speed, self.bodies))
 
-    def _pulled_speed(self, body):
-        """Rough speed to which its load brings a free ``body``.
+    @cached_property
+    def fastest_body(self) -> float:
+        """Speed of the fastest body or wall, with estimates for free bodies under a load.
 
-        In slow flow F = 4 pi mu U and T = 4 pi mu R U, at most that at which F = rho R U^2.
+        A force F and a torque T move a free body at U with F = 4 pi mu U and T = 4 pi mu R U in slow flow, but at most
+        at the U with F = rho R U^2.
         """
-        if not body.free:
-            return 0.0
-        *force, torque = body.motion.inertia.load
-        radius = farthest(body.shape)
-        pull = math.hypot(*force) + abs(torque) / radius
-        slow = pull / (4.0 * math.pi * self.dynamic_viscosity)
-        return min(slow, math.sqrt(pull / (self.density * radius)))
+        speeds = [self.driven_wall]
+        for body in self.bodies:
+            if body.free:
+                motion: Any = body.motion
+                *force, torque = motion.inertia.load
+                radius = farthest(body.shape)
+                pull = math.hypot(*force) + abs(torque) / radius
+                slow = pull / (4.0 * math.pi * self.dynamic_viscosity)
+                speeds.append(min(slow, math.sqrt(pull / (self.density * radius))))
+        return max(speeds)
 
     @cached_property
-    def driven_velocity(self):
-        """Rough mean velocity by the acceleration: that of Kozeny and Carman, or less.
+    def driven_velocity(self) -> float:
+        """Estimate of the mean velocity that the acceleration drives, by Kozeny and Carman.
 
-        acceleration/nu * porosity^3 / (5 s^2), s being the wetted length per area; at most that of a channel as wide as
-        the smaller side of the cell, H^2/12, and sqrt(acceleration * H), which inertia allows.
+        acceleration/nu * porosity^3 / (5 s^2), s being the wetted length per area; at most the velocity H^2/12
+        acceleration/nu of a channel as wide as the smaller side H of the cell, and sqrt(acceleration * H), the bound by
+        inertia.
         """
-        area = float(np.prod(self.size))
-        wetted, smaller = sum(body.shape.length for body in self.bodies) / area, min(self.size)
-        permeability = min((self.region.area / area) ** 3 / (KOZENY * wetted**2), smaller**2 / 12)
+        wetted, smaller = sum(body.shape.length for body in self.bodies) / self.area, min(self.size)
+        permeability = min((self.region.area / self.area) ** 3 / (KOZENY * wetted**2), smaller**2 / 12)
         drive = abs(self.acceleration)
         return min(drive * permeability / self.kinematic_viscosity, math.sqrt(drive * smaller))
 
     @property
-    def velocity_scale(self):
+    def velocity_scale(self) -> float:
         """The larger of ``fastest_body`` and ``driven_velocity``."""
         known = max(self.fastest_body, self.driven_velocity)
-        # where nothing is driven, as a body that is as heavy as the fluid: any speed serves, 0 does not
+        # nothing is driven, for example a neutrally buoyant body: any speed but 0 serves
         return known or math.sqrt(math.hypot(*self.gravity) * self.reference_length)
 
     @property
-    def peak_velocity(self):
-        """What may become of it in gaps, roughly."""
+    def peak_velocity(self) -> float:
+        """Rough bound of the speed in gaps between bodies."""
         return 2.0 * super().peak_velocity
 
     @property
-    def force_scale(self):
-        """Size of forces per length: viscous ones, and the acceleration of all fluid."""
+    def force_scale(self) -> float:
+        """Magnitude of forces per length: the viscous force, or the force that accelerates all fluid."""
         viscous = self.dynamic_viscosity * self.reference_velocity
         return max(viscous, self.density * abs(self.acceleration) * self.region.area)
 
     @property
-    def flow_quantities(self):
-        """Forces on bodies that the flow does not carry, places and velocities of those that it does; mean velocity.
-
-        And the mean shear stress between walls that shear free bodies.
-        """
+    def flow_quantities(self) -> tuple[str, ...]:
+        """Loads on bodies that are not free, motions of free bodies, mean shear stresses, and the mean velocity."""
         named = zip(self.names[: self.count], self.bodies[: self.count], strict=True)
         loads = [f"{kind}{name}" for name, body in named if not body.free for kind in LOADS]
-        moved = [f"{kind}{name}" for kind, name in _free_bodies.columns(self)]
-        return (*loads, *moved, *_suspension_stress.columns(self), "superficial_velocity")
+        moved = [f"{kind}{name}" for kind, name in self._motion_columns]
+        return (*loads, *moved, *self.mean_stress_names, VELOCITY)
 
-    def thinnest_layer(self, t):
-        """Depth of the layer at walls that started at t = 0, or oscillate, or that flow comes upon; and where it is."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: layers at walls that started at t = 0, oscillate, or face the flow."""
         strain_rate = self.peak_velocity / self._smallest_radius[0]
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        layers = [(depth(self, t), "the layer at bodies and walls")]
-        layers.append((front, "the layer in front of a body"))
+        layers = [(self.layer_depth(t), "the layer at bodies and walls"), (front, "the layer in front of a body")]
         for body in self.bodies:
-            for part in (body.motion.x, body.motion.y, body.motion.rotation):
+            parts: tuple[Any, ...] = (body.motion.x, body.motion.y, body.motion.rotation)
+            for part in parts:
                 if part.oscillates and part.largest_speed:
                     moved = 0.5 * part.penetration_depth(self.kinematic_viscosity)
                     layers.append((moved, "the layer at what oscillates"))
         return min(layers)
 
-    def initial(self, x, y):
-        """As of ``BodyScene``, or the flow of ``start``."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the fields at rest, or with ``initial_velocity``."""
         fields = super().initial(x, y)
-        return fields | dict(zip("uv", self.start(x, y), strict=True)) if self.start else fields
+        if self.initial_velocity:
+            fields |= dict(zip("uv", self.initial_velocity(x, y), strict=True))
+        return fields
 
     @property
-    def contact(self):
+    def contact(self) -> tuple[float, float] | None:
         """See ``Scene.contact``."""
         if not self.has_free_bodies:
             return None
@@ -286,107 +319,206 @@ class Cell(BodyScene):
         pressure = self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
         return self.contact_distance, STIFFNESS * pressure
 
-    @property
-    def initial_velocity(self):
-        """``start``."""
-        return self.start
-
-    def narrowest(self, t):
-        """See ``Scene.narrowest``; where free bodies go only a scene that was ``seen`` knows."""
+    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+        """See ``Scene.narrowest``; the gaps of free bodies at times after the start need a ``seen`` scene."""
         known = self.gaps_stay or self.has_free_bodies
         return self._smallest_radius, self._first_gap if known else self._gap(t, FEW)
 
     @cached_property
-    def _smallest_radius(self):
+    def _smallest_radius(self) -> tuple[float, str]:
         radii = [body.shape.convex_radius for body in self.bodies]
         index = int(np.argmin(radii))
         return radii[index], f"the smallest radius of {self._named(index)}"
 
     @cached_property
-    def gaps_stay(self):
-        """Whether no body moves that has an inside, so that gaps are those of the start."""
+    def gaps_stay(self) -> bool:
+        """Whether all gaps stay as at the start, because no closed body moves."""
         return not any(largest_speed(body) for body in self.bodies if body.shape.area)
 
     @cached_property
-    def _first_gap(self):
+    def _first_gap(self) -> tuple[float, str]:
         return self._gap(self.start_time, POINTS)
 
-    def _gap(self, t, points):
+    def _gap(self, t: float, points: int) -> tuple[float, str]:
         gap, pair = smallest_gap(self.bodies, t, points)
         if pair is None:
             return math.inf, ""
         one, other = map(self._named, pair)
         return gap, f"the gap between {one} and {other if one != other else 'its periodic copy'}"
 
-    def _named(self, index):
+    def _named(self, index: int) -> str:
         name = self.names[index].lstrip("_")
         return f"body {name}".rstrip() if index < self.count else f"wall {name}"
 
-    def description(self):
-        """Width and height of the cell, number of bodies."""
+    def description(self) -> dict[str, Any]:
+        """Return width and height of the cell, and the number of bodies."""
         return {**super().description(), "bodies": self.count}
 
-    def diagnostics(self, snapshot, series):
-        """Numbers of a snapshot: of free bodies, ``loads``, ``velocities`` and ``_two_dimensional.diagnostics``."""
-        found = {**self.of_free_bodies(snapshot), **self.loads(snapshot), **self.velocities(snapshot)}
-        return {**found, **_two_dimensional.diagnostics(self, snapshot)[1]}
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return motions of free bodies, mean stresses, ``loads``, ``velocities`` and ``planar_diagnostics``."""
+        found = {**self.free_motions(snapshot), **self.mean_stresses(snapshot), **self.loads(snapshot)}
+        return {**found, **self.velocities(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
-    def of_free_bodies(self, snapshot):
-        """Where they are and how they move, and the mean shear stress between walls that shear them."""
-        return _free_bodies.states(self, snapshot) | _suspension_stress.stresses(self, snapshot)
+    def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
+        """Return the ``LOADS`` on each body by name, and the part of the pressure with the suffix ``_pressure``.
 
-    def loads(self, snapshot):
-        """``LOADS`` of each body and, with ``_pressure`` after them, the part of the pressure; None without forces."""
-        found = {}
+        None where the forces are not known.
+        """
+        found: dict[str, float | None] = {}
+        bodies = snapshot.bodies
         for index, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
-            for part, values in zip(("", "_pressure"), _loads(snapshot.bodies, index), strict=True):
-                found |= {f"{kind}{part}{name}": value for kind, value in zip(kinds(body), values, strict=False)}
+            whole: tuple = (None,) * 3
+            pressure = whole
+            if bodies is not None:
+                whole = (*bodies.force[index], bodies.torque[index])
+                pressure = (*bodies.pressure_force[index], bodies.pressure_torque[index])
+            for part, values in (("", whole), ("_pressure", pressure)):
+                found |= {f"{kind}{part}{name}": value for kind, value in zip(load_kinds(body), values, strict=False)}
         return found
 
-    def velocities(self, snapshot):
-        """Mean velocities along x: ``superficial_velocity`` over cell and bodies, ``mean_velocity`` of the fluid.
+    def velocities(self, snapshot: Snapshot) -> dict[str, float]:
+        """Return means of the velocity along x: ``superficial_velocity`` over the cell, ``mean_velocity`` of the fluid.
 
         ``flow_rate``: the superficial velocity times the height of the cell, per length across the plane.
         """
         superficial = cell_mean(self, snapshot)[0]
         seen = self.seen(snapshot).bodies[: self.count]
         solid = sum(body.shape.area * body.motion.x.velocity(snapshot.t) for body in seen)
-        area = float(np.prod(self.size))
         return {
-            "superficial_velocity": superficial,
-            "mean_velocity": (superficial * area - solid) / self.region.area,
+            VELOCITY: superficial,
+            "mean_velocity": (superficial * self.area - solid) / self.region.area,
             "flow_rate": superficial * self.size[1],
         }
 
-    def profiles(self):
-        """Both components of the velocity along the vertical centre line."""
-        return [_two_dimensional.velocity_profile(self, field, "y") for field in "uv"]
+    # Free bodies ------------------------------------------------------------------------------------------------------
 
-    def time_series(self):
-        """Forces and torques on the bodies in the fluid, or on its walls where there are none, and the mean velocity.
+    @cached_property
+    def _free(self) -> list[int]:
+        """Indices of the free bodies."""
+        return [index for index, body in enumerate(self.bodies) if body.free]
 
-        Of bodies that the flow carries, if there are few, also places and velocities, of many means of these alone; and
-        the mean shear stress between walls that shear them.
+    @property
+    def _means_only(self) -> bool:
+        """Whether there are too many free bodies to record them one by one."""
+        return len(self._free) > MOST_FOLLOWED
+
+    @property
+    def _motion_columns(self) -> list[tuple[str, str]]:
+        """Pairs (kind, suffix of the body) of the recorded motions of free bodies; means have no suffix."""
+        if self._means_only:
+            return [(kind, "") for kind in MEANS]
+        return [(kind, self.names[index]) for index in self._free for kind in MOTIONS]
+
+    def free_motions(self, snapshot: Snapshot) -> dict[str, float]:
+        """Return the recorded motions of free bodies by name: places [length], not wrapped by periods, angles
+        [radians], velocities; or their means.
         """
-        forces = self._followed_forces()
-        stresses = _suspension_stress.columns(self)
-        followed = [*forces, *_free_bodies.columns(self), *((name, "") for name in stresses)]
+        chosen = self._free
+        if not chosen:
+            return {}
+        bodies = bodies_in(snapshot)
+        values: Any
+        if self._means_only:
+            mean = bodies.velocity[chosen].mean(axis=0)
+            values = [*mean, np.abs(bodies.angular_velocity[chosen]).mean()]
+        else:
+            parts = bodies.centre, bodies.angle[:, None], bodies.velocity, bodies.angular_velocity[:, None]
+            values = np.hstack([part[chosen] for part in parts]).ravel()
+        return {f"{kind}{name}": float(value) for (kind, name), value in zip(self._motion_columns, values, strict=True)}
+
+    # Mean shear stress of a suspension --------------------------------------------------------------------------------
+
+    @property
+    def mean_stress_names(self) -> tuple[str, ...]:
+        """Names of the ``mean_stresses``; none without free bodies, or without walls that shear the fluid.
+
+        The stress by the bodies is not known where the viscosity varies.
+        """
+        sheared = self.has_free_bodies and any(wall.largest_speed for _, wall in self.walls) and not self.acceleration
+        if not sheared:
+            return ()
+        return (STRESS_ON_WALLS,) if self.rheology and not self.polymer else tuple(STRESS_WORDS)
+
+    def mean_stresses(self, snapshot: Snapshot) -> dict[str, float]:
+        """Return the mean shear stresses [stress]: from the forces on the walls, from the bodies, and by contact.
+
+        The balance of momentum times the height y above mid-gap, over the fluid in a cell of area A, gives the mean
+        stress on both walls. In the mean over a long time, or in slow flow at any time, it is
+
+            tau = mu G + (sum over bodies of S + S_c + T/2 - y F - M u' v') / A - rho <u' v'>,
+
+        with the rate G = (U_top - U_bottom)/H, and of each body the stresslets S of the fluid's tractions and S_c of
+        near contact, the external force F along x and torque T, and the mass M if it is free along x. u' and v' are
+        velocities relative to a linear profile; <> is the mean over the fluid times its fraction of the cell. With a
+        polymer its mean stress is added. S_c is part of the stress by the bodies, and also returned on its own.
+
+        Source: G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570, eqs. 3.4 to 3.8, whose forces and couples from
+        outside are y F and T here.
+        """
+        names, (width, height) = self.mean_stress_names, self.size
+        if not names:
+            return {}
+        bodies: Any = bodies_in(snapshot)
+        drag = {side: bodies.force[self.names.index(f"_{side}"), 0] for side in ("bottom", "top")}
+        found = {STRESS_ON_WALLS: 0.5 * (drag["bottom"] - drag["top"]) / width}
+        if STRESS_BY_BODIES in names:
+            speed = {side: float(wall.velocity(snapshot.t)) for side, wall in self.walls}
+            rate = (speed["top"] - speed["bottom"]) / height
+            carried = -self.density * (snapshot.u - (speed["bottom"] + rate * snapshot.y)) * snapshot.v
+            if self.polymer:
+                carried = carried + snapshot.stress_xy
+            fraction = self.region.area / self.area
+            fluid = self.density * self.solvent_viscosity * rate + fraction * float(np.mean(carried, dtype=float))
+            total = 0.0
+            for index, body in enumerate(self.bodies[: self.count]):
+                force = -(bodies.force[index, 0] + bodies.contact_force[index, 0])  # holds a body that is not free
+                torque = -(bodies.torque[index] + bodies.contact_torque[index])
+                momentum, (y, (u, v)) = 0.0, (bodies.centre[index, 1], bodies.velocity[index])
+                if body.free:
+                    motion: Any = body.motion
+                    inertia = motion.inertia
+                    force = force if inertia.held[0] else inertia.load[0]
+                    torque = torque if inertia.held[2] else inertia.load[2]
+                    if not inertia.held[0]:
+                        momentum = inertia.mass[0] * (u - (speed["bottom"] + rate * y)) * v
+                total += bodies.stresslet[index] + bodies.contact_stresslet[index]
+                total += 0.5 * torque - (y - 0.5 * height) * force - momentum
+            found[STRESS_BY_CONTACTS] = bodies.contact_stresslet[: self.count].sum() / self.area
+            found[STRESS_BY_BODIES] = fluid + total / self.area
+        return {name: float(found[name]) for name in names}
+
+    # Views ------------------------------------------------------------------------------------------------------------
+
+    def profiles(self) -> list[Profile]:
+        """Return both components of the velocity along the vertical centre line."""
+        return [velocity_profile(self, field, "y") for field in "uv"]
+
+    def time_series(self) -> TimeSeries:
+        """Return forces and torques on the bodies, or on the walls of a cell without bodies, and the mean velocity.
+
+        Also places and velocities of few free bodies, or only means of many, and the mean shear stresses of a sheared
+        suspension.
+        """
+        chosen, free = slice(self.count or None), self.has_free_bodies
+        pairs = zip(self.names[chosen], self.bodies[chosen], strict=True)
+        forces = [
+            (kind, name) for name, body in pairs if not (self._means_only and body.free) for kind in load_kinds(body)
+        ]
+        followed = [*forces, *self._motion_columns, *((name, "") for name in self.mean_stress_names)]
         columns = [f"{kind}{name}" for kind, name in followed]
-        force, speed, free = self.force_scale, self.reference_velocity, self.has_free_bodies
-        sizes = {"drag": force, "lift": force, "torque": force * self.reference_length} | _free_bodies.sizes(self)
-        sizes |= dict.fromkeys(stresses, _suspension_stress.size(self))
-        panels = (
-            _free_bodies.panels(self)
-            if free
-            else {kind: (f"{kind} per length", SERIES_UNITS[kind]) for kind, _ in forces}
-        )
-        panels |= dict.fromkeys(stresses, ("mean shear stress", "stress"))
-        # it carries all that drives the fluid
+        force, length, speed = self.force_scale, self.reference_length, self.reference_velocity
+        sizes = {"drag": force, "lift": force, "torque": force * length, **self._motion_sizes}
+        walls = max((wall.largest_speed for _, wall in self.walls), default=0.0)
+        sizes |= dict.fromkeys(STRESS_WORDS, self.dynamic_viscosity * walls / self.size[1])
+        units = {"drag": "force", "lift": "force", "torque": "torque"}
+        panels = self._motion_panels if free else {kind: (f"{kind} per length", units[kind]) for kind, _ in forces}
+        panels |= dict.fromkeys(STRESS_WORDS, ("mean shear stress", "stress"))
+        # a single fixed body bears all of the drive
         alone = len(self.bodies) == self.count == 1 and not free and not self.fastest_body
         drive = self.density * self.acceleration * self.region.area
 
-        def measure(snapshot):
-            found = self.loads(snapshot) | self.of_free_bodies(snapshot)
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.mean_stresses(snapshot)}
             values = [np.nan if found[column] is None else found[column] for column in columns]
             return np.array([*values, self.velocities(snapshot)[VELOCITY]])
 
@@ -397,57 +529,101 @@ class Cell(BodyScene):
             unit="force",
             scale=force,
             columns=[*columns, VELOCITY],
-            labels=[*((self._called(*each), None) for each in followed), ("mean over the cell", None)],
+            labels=[*((self._label(*each), None) for each in followed), ("mean over the cell", None)],
             measure=measure,
             sizes=[*(sizes[kind] for kind, _ in followed), speed],
             levels=[drive, *[np.nan] * len(columns)] if alone else (),
             panels=[*(panels.get(kind) for kind, _ in followed), ("superficial velocity", "velocity")],
-            drifting=[f"{kind}{name}" for kind, name in followed if kind in _free_bodies.PLACES],
+            drifting=[f"{kind}{name}" for kind, name in followed if kind in PLACES],
         )
 
-    def _followed_forces(self):
-        """Pairs of a kind of force and the name of the body, or wall, that it is on."""
-        chosen, many = slice(self.count or None), _free_bodies.are_many(self)
-        pairs = zip(self.names[chosen], self.bodies[chosen], strict=True)
-        return [(kind, name) for name, body in pairs if not (many and body.free) for kind in kinds(body)]
+    @property
+    def _motion_sizes(self) -> dict[str, float]:
+        """Magnitude of each kind of motion, for axes and for the criterion of a steady state."""
+        length, speed = self.reference_length, self.reference_velocity
+        by_unit = {"length": length, "angle": 1.0, "velocity": speed, "rate": speed / length}
+        return {kind: by_unit[unit] for kind, unit in (*MOTIONS.items(), *((kind, MEANS[kind][0]) for kind in MEANS))}
 
-    def _called(self, kind, name):
-        """What the legend calls a number."""
-        if kind in _suspension_stress.WORDS:
-            return _suspension_stress.WORDS[kind]
-        if self.count:
-            return _free_bodies.words(kind, name)
-        return f"wall {name.lstrip('_')}"
+    @property
+    def _motion_panels(self) -> dict[str, tuple[str, str]]:
+        """Axes (name, unit) by kind of motion: places of few bodies, mean velocities of many."""
+        if self._means_only:
+            return {kind: (words, unit) for kind, (unit, words, _) in MEANS.items()}
+        return {kind: (kind, MOTIONS[kind]) for kind in PLACES}
 
-    def movie_series(self):
-        """Forces on the bodies, or on the walls where there are none; of bodies that the flow carries their motion."""
-        if self.has_free_bodies:
-            return _free_bodies.movie_series(self)
-        return self.time_series().only(("drag", "lift"), "force per length", "force")
+    def _label(self, kind: str, name: str) -> str:
+        """Return the name of a recorded number in a legend."""
+        if kind in STRESS_WORDS:
+            return STRESS_WORDS[kind]
+        if kind in MEANS:
+            return MEANS[kind][2]
+        return f"body {name.lstrip('_')}".rstrip() if self.count else f"wall {name.lstrip('_')}"
 
-    def parameters(self):
-        """Pairs (label, text) of what the flow is, independent of particles."""
+    def movie_series(self) -> TimeSeries:
+        """Return forces on the bodies, or on the walls of a cell without bodies.
+
+        With free bodies: heights of the first ``SHOWN`` bodies, or mean velocities of many.
+        """
+        if not self.has_free_bodies:
+            return self.time_series().only(("drag", "lift"), "force per length", "force")
+        kinds = ("bodies_mean_u", "bodies_mean_v") if self._means_only else ("y",)
+        found = [(kind, name) for kind, name in self._motion_columns if kind in kinds][:SHOWN]
+        chosen = [f"{kind}{name}" for kind, name in found]
+        name, unit = self._motion_panels[kinds[0]]
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            values = self.free_motions(snapshot)
+            return np.array([values[column] for column in chosen])
+
+        return TimeSeries(
+            content="places or velocities of bodies over time t",
+            name=name,
+            unit=unit,
+            scale=self._motion_sizes[kinds[0]],
+            columns=chosen,
+            labels=[(self._label(*each), None) for each in found],
+            measure=measure,
+        )
+
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         length, time = self.units.length, self.units.time
         width, height = self.size
         known, cause = self._cause()
         about, digits = ("", 6) if known else ("about ", 2)
+        of = "the largest body" if self.count else "all"
         lines = [
             ("Reynolds number", f"{about}{self.reynolds:.{digits}g}  (U d / nu)"),
             ("speed U", f"{about}{self.reference_velocity:.{digits}g} {length}/{time}, {cause}"),
-            (
-                "length d",
-                f"{self.reference_length:.6g} {length}, the height of {'the largest body' if self.count else 'all'}",
-            ),
+            ("length d", f"{self.reference_length:.6g} {length}, the height of {of}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cell", f"{width:.6g} x {height:.6g} {length}, {self.region.area / (width * height):.4g} of it fluid"),
         ]
-        lines += [*self._free(), *self._narrowest()]
+        if self._free:
+            free: list[Any] = [self.bodies[index] for index in self._free]
+            ratios = [body.motion.inertia.mass[0] / (self.density * body.shape.area) for body in free]
+            found = sorted({f"{ratio:.6g}" for ratio in ratios}, key=float)
+            shown = found if len(found) <= MOST_RATIOS else [f"{found[0]} to {found[-1]}"]
+            text = f"{len(free)} of {self.count}, of {', '.join(shown)} times the density of the fluid"
+            lines.append(("free bodies", text))
+        changes = "will change" if self._free else "may change"
+        moves = "" if self.gaps_stay and not self._free else f" at the start; gaps {changes} as bodies move"
+        radius, gap = (size for size, _ in self.narrowest(self.start_time))
+        least_radius = f"at least {_clearance.LEAST_RADIUS:g}, a circle {0.5 * _clearance.LEAST_WIDTH:g}"
+        least_gap = f"at least {_clearance.LEAST_GAP:g}"
+        for name, size, least, enough, more in (
+            ("smallest radius", radius, least_radius, resolution.LEAST_RADIUS, ""),
+            ("narrowest gap", gap, least_gap, resolution.LEAST_GAP, moves),
+        ):
+            if np.isfinite(size):
+                spacings = f"{size / self.spacing:.3g} spacings ({least}; resolved from {enough:g} on)"
+                lines.append((name, f"{size:.4g} {length}, {spacings}{more}"))
         if self.acceleration:
             lines.append(("drive", f"{self.acceleration:.6g} {length}/{time}^2 along x"))
         return lines
 
-    def _cause(self):
-        """Whether the reference velocity is known, and in words what has it."""
+    def _cause(self) -> tuple[bool, str]:
+        """Return whether the reference velocity is known exactly, and its cause in words."""
         if self.given_velocity:
             return True, "given by the config"
         if not (self.fastest_body or self.driven_velocity):
@@ -458,45 +634,22 @@ class Cell(BodyScene):
             return True, "of the fastest body or wall"
         return False, "an estimate: of a free body under its load, in slow flow or against inertia"
 
-    def _free(self):
-        """How many bodies the flow carries, and how heavy they are."""
-        chosen = [self.bodies[index] for index in _free_bodies.numbers(self)]
-        if chosen:
-            ratios = [body.motion.inertia.mass[0] / (self.density * body.shape.area) for body in chosen]
-            found = sorted({f"{ratio:.6g}" for ratio in ratios}, key=float)
-            shown = found if len(found) <= MOST_RATIOS else [f"{found[0]} to {found[-1]}"]
-            text = f"{len(chosen)} of {self.count}, of {', '.join(shown)} times the density of the fluid"
-            yield "free bodies", text
+    def drift(self, snapshot: Snapshot) -> float:
+        """See ``Scene.drift``: the error of the momentum of a box without walls, over its mass.
 
-    def _narrowest(self):
-        """Smallest radius and gap of bodies and walls at the start, in particle spacings, and the least allowed."""
-        changes = "will change" if self.has_free_bodies else "may change"
-        moves = "" if self.gaps_stay and not self.has_free_bodies else f" at the start; gaps {changes} as bodies move"
-        radius, gap = (size for size, _ in self.narrowest(self.start_time))
-        least = f"at least {_clearance.LEAST_RADIUS:g}, a circle {0.5 * _clearance.LEAST_WIDTH:g}"
-        found = [("smallest radius", radius, least, resolution.LEAST_RADIUS, "")]
-        found += [("narrowest gap", gap, f"at least {_clearance.LEAST_GAP:g}", resolution.LEAST_GAP, moves)]
-        for name, size, least, enough, more in found:
-            if np.isfinite(size):
-                spacings = f"{size / self.spacing:.3g} spacings ({least}; resolved from {enough:g} on)"
-                yield name, f"{size:.4g} {self.units.length}, {spacings}{more}"
-
-    def drift(self, snapshot):
-        """See ``Scene.drift``: what the momentum of a box without walls is off the impulse of all loads, over its mass.
-
-        A step does not conserve it by its construction, and nothing else tells how fast all moves together.
+        The momentum should be the impulse of all loads since the start. A step does not conserve momentum by
+        construction, and no other number shows a common drift of fluid and bodies.
         """
-        inertias = [body.motion.inertia for body in self.bodies if body.free]
+        motions: list[Any] = [body.motion for body in self.bodies if body.free]
+        inertias = [motion.inertia for motion in motions]
         if len(inertias) < len(self.bodies) or not all(self.periodic) or any(any(each.held[:2]) for each in inertias):
             return 0.0
-        area, fluid = float(np.prod(self.size)), self.density * self.region.area
-        mean, bodies = cell_mean(self, snapshot), snapshot.bodies.velocity
+        fluid = self.density * self.region.area
+        mean, bodies = cell_mean(self, snapshot), bodies_in(snapshot).velocity
         mass = np.array([[each.mass[0]] for each in inertias])
         displaced = self.density * np.array([[body.shape.area] for body in self.bodies])
-        impulse = np.sum([each.load[:2] for each in inertias], axis=0) + fluid * np.array([self.acceleration, 0.0])
-        given = np.sum(mass * [each.velocity[:2] for each in inertias], axis=0) + impulse * (
-            snapshot.t - self.start_time
-        )
-        off = self.density * area * mean + np.sum((mass - displaced) * bodies, axis=0) - given
+        load = np.sum([each.load[:2] for each in inertias], axis=0) + fluid * np.array([self.acceleration, 0.0])
+        given = np.sum(mass * [each.velocity[:2] for each in inertias], axis=0) + load * (snapshot.t - self.start_time)
+        off = self.density * self.area * mean + np.sum((mass - displaced) * bodies, axis=0) - given
         apart = max(np.hypot(*(bodies - mean).T).max(), TOGETHER * self.reference_velocity)
         return float(np.hypot(*off) / (fluid + mass.sum()) / apart)

@@ -1,7 +1,4 @@
-"""Sections of a config that scenes share: how a flow starts and what drives it; periods that are long enough.
-
-A flow starts at rest, or, where walls have a history, developed, or on the way.
-"""
+"""Sections of a config that scenes share: start, drive and contact; and the checks of start and periods."""
 
 from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal
@@ -13,12 +10,12 @@ from tisph.config.checks import LEAST_IN_PERIOD
 
 
 class Drive(Model):
-    """What drives fluid and bodies.
+    """Drive of fluid and bodies.
 
     ``acceleration`` [length/time^2] along x, of either sign: -(dp/dx) / density of a pressure gradient, which acts on a
-    free body as it does on the fluid that the body takes the place of. ``gravity`` [gx, gy] [length/time^2]: the weight
-    of the fluid is held by a pressure of its own, which is no part of ``pressure`` in results, and a free body has its
-    weight less that of the fluid it displaces: (density - that of the fluid) * area * gravity.
+    free body as it does on the fluid that the body displaces. ``gravity`` [gx, gy] [length/time^2]: a hydrostatic
+    pressure, which results leave out of ``pressure``, bears the weight of the fluid. A free body has its weight minus
+    the weight of the displaced fluid: (density of the body - density of the fluid) * area * gravity.
     """
 
     unset_keys = ("gravity",)
@@ -28,24 +25,27 @@ class Drive(Model):
 
 
 class Contact(Model):
-    """Near contact of free bodies: nearer than ``distance`` [length] they push each other off, and walls.
+    """Near contact of free bodies: bodies nearer than ``distance`` [length] to each other or to a wall are repelled.
 
-    No fluid is resolved between them there; two particle spacings where left out.
+    No fluid is resolved between them. The default distance is two particle spacings.
     """
 
     distance: Positive
 
 
 def still_problem(config: Any, key: str, remedy: str) -> Iterator[Problem]:
-    """Problem of a ``config`` in which nothing moves, at ``key``: none where a velocity is given for other causes."""
+    """Yield an error at ``key`` of a ``config`` in which nothing moves, unless it gives a reference velocity."""
     if not config.reference:
         text = "nothing moves: " + remedy
         yield key, f"{text}; or a reference.velocity, for a fluid that functions given from Python move"
 
 
 class RestInitial(Model):
-    """The fluid is at rest at first. ``jitter``: uniform random displacement of every particle, +- that many spacings
-    in x and y, after they have been spread evenly; the same ``seed`` gives the same displacements."""
+    """The fluid is at rest at first.
+
+    ``jitter``: uniform random displacement of every particle, +- that many spacings in x and y, after the particles
+    have been spread evenly; the same ``seed`` gives the same displacements.
+    """
 
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
@@ -69,7 +69,7 @@ class Initial(Model):
 
 
 def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
-    """What is wrong with the start of the ``config`` of a scene with these ``walls``."""
+    """Yield the errors in the start of the ``config`` of a scene with these ``walls``."""
     state = config.initial.state
     if state == "exact" and config.initial.time == 0:
         yield "initial.time", "must be greater than 0 with state exact (from rest: state rest)"
@@ -83,7 +83,7 @@ def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
 
 
 def incommensurate_periods(config: Any) -> Iterator[Problem]:
-    """Too few particles in a period."""
+    """Yield an error for each period with too few particles."""
     for periodic, size, key in zip(config.periodic, config.extent, ("length", "height"), strict=True):
         if periodic and round(size / config.spacing) < LEAST_IN_PERIOD:
             text = f"must be at least {LEAST_IN_PERIOD * config.spacing:.6g}, {LEAST_IN_PERIOD} particle spacings"

@@ -1,4 +1,4 @@
-"""Views of a scene: profiles along lines, numbers followed in time, what a movie shows and can be coloured by."""
+"""Views of a scene: profiles along lines, time series, the views of a movie, and quantities of two-dimensional flow."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -7,51 +7,52 @@ from typing import Any
 
 import numpy as np
 
-from tisph.measures.fits import stream_function, velocity_gradients, vorticity
+from tisph.measures.fits import max_void_radius, min_distance, stream_function, velocity_gradients, vorticity
 from tisph.measures.metrics import with_reference
+from tisph.snapshot import Snapshot
 
-_TIMES, _POINTS = 60, 101  # at which a reference is looked at
+_TIMES, _POINTS = 60, 101  # at which the range of a reference is evaluated
 
 
 @dataclass(frozen=True)
 class Line:
-    """A straight line through the box ``along`` the axis ``x`` or ``y``, and the particles on it.
+    """A straight line through the box along an axis, and the particles on it.
 
-    ``ends`` are the first and the last coordinate along the line. The particles on it are those no further than
-    ``half_width`` from ``place``, the other coordinate: all of them where nothing depends on that.
+    ``along``: ``x`` or ``y``; ``ends``: first and last coordinate along the line; ``place``: the other coordinate. The
+    particles on the line are at most ``half_width`` from ``place``: all particles where nothing depends on it.
     """
 
     along: str
     ends: tuple[float, float]
-    place: float
+    place: Any
     half_width: float = math.inf
 
-    def of(self, snapshot) -> np.ndarray:
-        """Coordinate of each particle along the line."""
+    def of(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the coordinate of each particle along the line."""
         return getattr(snapshot, self.along)
 
-    def near(self, snapshot) -> np.ndarray | slice:
-        """Index of the particles on the line, in the order in which they are."""
+    def near(self, snapshot: Snapshot) -> np.ndarray | slice:
+        """Return the index of the particles on the line, in their own order."""
         if self.half_width == math.inf:
             return slice(None)
         across = getattr(snapshot, "x" if self.along == "y" else "y")
         return np.abs(across - self.place) <= self.half_width
 
-    def particles(self, snapshot) -> np.ndarray:
-        """Indices of the particles on the line, in the order of their coordinate along it."""
+    def particles(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the indices of the particles on the line, in the order of their coordinate along it."""
         chosen = np.arange(len(snapshot.x))[self.near(snapshot)]
         return chosen[np.argsort(self.of(snapshot)[chosen], kind="stable")]
 
     def coordinates(self, count: int) -> np.ndarray:
-        """``count`` evenly spaced coordinates from end to end."""
+        """Return ``count`` evenly spaced coordinates from end to end."""
         return np.linspace(*self.ends, count)
 
-    def points(self, coordinates) -> tuple[np.ndarray | float, np.ndarray | float]:
-        """Places (x, y) at ``coordinates`` along the line; they broadcast."""
+    def points(self, coordinates: Any) -> tuple[Any, Any]:
+        """Return places (x, y) at ``coordinates`` along the line; they broadcast."""
         return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
 
-    def in_fluid(self, scene, coordinates, t) -> np.ndarray:
-        """Whether the points at ``coordinates`` (n,) are in none of the bodies of ``scene`` at time ``t``."""
+    def in_fluid(self, scene: Any, coordinates: np.ndarray, t: float) -> np.ndarray:
+        """Return whether the points at ``coordinates`` (n,) are outside all bodies of ``scene`` at time ``t``."""
         places = np.stack(np.broadcast_arrays(*self.points(coordinates)), axis=1)
         wet = np.ones(len(places), dtype=bool)
         for body in scene.bodies:
@@ -61,28 +62,29 @@ class Line:
 
 @dataclass(frozen=True)
 class Radius(Line):
-    """The distance from ``place`` (2,), from one of ``ends`` to the other: nothing depends on the angle around it."""
+    """The distance from the axis at ``place`` (2,), between ``ends``; nothing depends on the angle."""
 
     along: str = "r"
     ends: tuple[float, float] = (0.0, 1.0)
     place: tuple[float, float] = (0.0, 0.0)
 
-    def of(self, snapshot):
-        """Distance of each particle."""
+    def of(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the distance of each particle from the axis."""
         return np.hypot(snapshot.x - self.place[0], snapshot.y - self.place[1])
 
-    def points(self, coordinates):
-        """Places (x, y) at ``coordinates`` along x from the middle."""
+    def points(self, coordinates: Any) -> tuple[Any, Any]:
+        """Return places (x, y) at the distances ``coordinates`` along x from the axis."""
         return self.place[0] + coordinates, self.place[1]
 
 
 @dataclass(frozen=True)
 class Profile:
-    """A quantity along a line: ``of`` takes it from a snapshot, array (particles,), ``exact`` is its reference.
+    """A quantity along a ``line``.
 
-    ``exact`` takes places x and y and times, which broadcast; it is None where there is no reference, and called
-    ``reference`` in pictures. ``unit`` is a kind of unit that ``report/labels.py`` knows. With a ``scale`` (a value and
-    its name) errors are shown over it.
+    ``of``: function of a snapshot that returns the quantity (particles,). ``unit``: a kind of unit that
+    ``report/labels.py`` knows. ``exact``: function of places x, y and times, which broadcast, that returns the
+    reference; None without one. ``reference``: its name in pictures. ``scale``: value and name of the scale over which
+    errors are shown, if any.
     """
 
     name: str
@@ -94,11 +96,11 @@ class Profile:
     reference: str = "exact"
 
     def extremes(self, start: float, end: float) -> tuple[float, float]:
-        """The smallest and largest finite value that the reference takes on the line from time ``start`` to ``end``.
+        """Return the smallest and largest finite value of the reference on the line from time ``start`` to ``end``.
 
-        More times early on, where a start changes fastest. Between the last two times lies 1/30 of the run: what
-        peaks there in between can pass the range by little.
+        The times are denser early on, where a start changes fastest; the last two are 1/30 of the run apart.
         """
+        assert self.exact is not None
         times = start + (end - start) * np.linspace(0.0, 1.0, _TIMES) ** 2
         places = self.line.points(self.line.coordinates(_POINTS)[:, None])
         values = self.exact(*places, times[None, :])
@@ -108,12 +110,12 @@ class Profile:
 
 @dataclass(frozen=True)
 class MovieView:
-    """What colours the fluid in a movie, and the profile beside it.
+    """The quantity that colours the fluid in a movie, and the profile beside it.
 
-    ``of`` takes the colours' quantity from a snapshot; with ``signed`` they go from minus to plus the largest size of
-    ``ends`` if those have both signs, else from 0. ``ends`` are the smallest and largest value of the profile in the
-    run, None where the frames must tell. ``error`` names the field whose error is written beside it, in words; None for
-    the velocity.
+    ``of``: function of a snapshot that returns the quantity. ``signed``: colours span minus to plus the largest
+    magnitude in ``ends`` if these have both signs, else they start at 0. ``ends``: values that span the range of the
+    profile in the run; None if only the frames show it. ``error``: name in a snapshot and in words of the field whose
+    error is written beside the movie; None for the velocity.
     """
 
     name: str
@@ -126,18 +128,19 @@ class MovieView:
 
 @dataclass(frozen=True)
 class TimeSeries:
-    """Numbers that are followed in time: ``measure`` takes them from a snapshot, array (numbers,).
+    """Numbers that are recorded in time.
 
-    ``content`` says in words what they are, ``places`` where they are read, if that is somewhere. ``columns`` are their
-    names in ``history.csv``, ``exact_columns`` those of their references, which ``exact`` returns for times (records,)
-    as an array (records, numbers), or None; ``labels`` are pairs for the legend: a name, and a value or None. ``name``
-    and ``unit`` are for the axis of the plot, ``scale`` is the size of the values, ``angular_frequency`` that of their
-    fastest oscillation, or 0. ``probes`` (``measures/channel.py``) read them from the particles around some
-    places, if they are velocities at places: a scheme need not give the others then. Where the numbers are of different
-    kinds, ``sizes`` are theirs, and ``panels`` a pair as ``name`` and ``unit`` for the axes that each of them is drawn
-    on: numbers of the same pair share axes, and those of None are on none. ``levels``: what they come to in the steady
-    state, NaN where it is unknown; ``level_name`` says what those are. ``drifting``: columns that go on changing in a
-    steady state.
+    ``measure`` is a function of a snapshot that returns the numbers (numbers,); ``content`` describes them in words.
+    ``columns`` and ``exact_columns`` are the names of numbers and references in ``history.csv``; ``exact`` returns the
+    references (records, numbers) at times (records,), or None. ``places``: coordinates at which the numbers are
+    measured, if any. ``probes`` (``measures/channel.py``): given where all numbers are velocities at places; a scheme
+    then needs to supply only the particles near them. ``angular_frequency``: that at which the numbers oscillate
+    fastest, or 0. ``drifting``: columns that go on changing in a steady state.
+
+    For the plot, ``labels`` are pairs for the legend: a name, and a value or None. ``name`` and ``unit`` are for the
+    axis, ``scale`` is the magnitude of the numbers. If the numbers are of different kinds, ``sizes`` are the magnitude
+    of each, and ``panels`` the pair (name, unit) of the axes of each; numbers with the same pair share axes, and a
+    number with None is not drawn. ``levels``: steady value of each number, NaN if unknown; ``level_name``: their name.
     """
 
     content: str
@@ -145,11 +148,11 @@ class TimeSeries:
     unit: str
     scale: float
     columns: Sequence[str]
-    labels: Sequence[str]
+    labels: Sequence[tuple[str, float | None]]
     measure: Callable
     exact_columns: Sequence[str] = ()
     exact: Callable = lambda times: None
-    places: Sequence[float] = ()
+    places: Sequence[float] | np.ndarray = ()
     angular_frequency: float = 0.0
     probes: Any = None
     sizes: Sequence[float] = ()
@@ -158,8 +161,8 @@ class TimeSeries:
     drifting: Sequence[str] = ()
     level_name: str = "exact, when steady"
 
-    def only(self, kinds, name, unit):
-        """Those of the numbers whose columns begin with one of ``kinds``, as they are measured."""
+    def only(self, kinds: str | tuple[str, ...], name: str, unit: str) -> "TimeSeries":
+        """Return the series of the numbers whose columns begin with one of ``kinds``."""
         chosen = [index for index, column in enumerate(self.columns) if column.startswith(kinds)]
         return replace(
             self,
@@ -178,10 +181,10 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class ExtraSeries:
-    """Numbers that stand in ``history.csv`` beside those that are followed, and are not drawn.
+    """Further columns of ``history.csv``, which are not drawn.
 
-    ``measure`` takes them, ``columns``, from a snapshot; ``final`` takes all times (records,) and numbers (records,
-    columns) when a run ends, and returns what follows from them, (records, final columns).
+    ``measure``: function of a snapshot that returns the numbers ``columns``. ``final``: function of all times
+    (records,) and numbers (records, columns), called when a run ends, that returns (records, final columns).
     """
 
     columns: Sequence[str]
@@ -192,9 +195,10 @@ class ExtraSeries:
 
 @dataclass(frozen=True)
 class Colour:
-    """``of`` takes the quantity from a scene and a snapshot, array (particles,); ``unit`` is a kind of unit.
+    """A quantity that may colour a movie.
 
-    ``signed``: whether it takes both signs. ``fields`` are those of the snapshot that it needs beside places,
+    ``of``: function of a scene and a snapshot that returns the quantity (particles,); ``unit``: a kind of unit;
+    ``signed``: whether the quantity has both signs; ``fields``: the fields of a snapshot that it needs beside places,
     velocities and shear stress.
     """
 
@@ -205,32 +209,32 @@ class Colour:
     fields: tuple[str, ...] = ()
 
 
-def _shear_stress(scene, snapshot):
-    """Return that of the polymer, or without one mu (du/dy + dv/dx)."""
+def _shear_stress(scene: Any, snapshot: Any) -> np.ndarray:
+    """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx)."""
     if scene.polymer:
         return snapshot.stress_xy
     gradients = velocity_gradients(scene, snapshot, degree=2)
     return scene.dynamic_viscosity * (gradients[1] + gradients[2])
 
 
-def _conformation_trace(scene, snapshot):
-    """Return tr A of a polymer whose stress S is the modulus G times A - 1: 2 + (S_xx + S_yy)/G in the plane.
+def _conformation_trace(scene: Any, snapshot: Any) -> np.ndarray:
+    """Return tr A for a polymer stress S = G (A - 1) of modulus G: 2 + (S_xx + S_yy)/G in planar flow.
 
-    In axisymmetric flow tr A = 3 + (S_xx + S_yy + S_tt)/G, with the stress around the axis.
+    In axisymmetric flow tr A = 3 + (S_xx + S_yy + S_tt)/G, with the stress S_tt around the axis.
     """
     viscosity = (1.0 - scene.polymer.solvent_fraction) * scene.dynamic_viscosity
     plane = 2.0 + (snapshot.stress_xx + snapshot.stress_yy) * scene.polymer.relaxation_time / viscosity
     return plane + 1.0 + snapshot.stress_tt * scene.polymer.relaxation_time / viscosity if scene.axisymmetric else plane
 
 
-def _error(scene, snapshot):
-    """Return |u - u_exact|; a component of which no reference is known should be 0."""
+def _error(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return |u - u_exact|; a velocity component without a reference is compared with 0."""
     names = [name for name in ("u", "v", "w") if getattr(snapshot, name) is not None]
     exact = with_reference(scene, snapshot, [name for name in names if name in scene.fields]).reference
     return np.linalg.norm([getattr(snapshot, name) - exact.get(name, 0.0) for name in names], axis=0)
 
 
-def _speed(snapshot):
+def _speed(_: Any, snapshot: Snapshot) -> np.ndarray:
     speed = np.hypot(snapshot.u, snapshot.v)
     return speed if snapshot.w is None else np.hypot(speed, snapshot.w)
 
@@ -238,7 +242,7 @@ def _speed(snapshot):
 _NORMAL = ("stress_xx", "stress_yy")
 
 COLOURS = {
-    "speed": Colour("speed", "velocity", lambda _, snapshot: _speed(snapshot), signed=False),
+    "speed": Colour("speed", "velocity", _speed, signed=False),
     "u": Colour("u", "velocity", lambda _, snapshot: snapshot.u),
     "v": Colour("v", "velocity", lambda _, snapshot: snapshot.v),
     "swirl": Colour("swirl", "velocity", lambda _, snapshot: snapshot.w),
@@ -254,17 +258,17 @@ COLOURS = {
     ),
     "error": Colour("error of the velocity", "velocity", _error, signed=False),
 }
-"""By the names that ``output.video.color_by`` takes; dye is no quantity of the flow (``report/field.py``)."""
+"""Colours by the names of ``output.video.color_by``; dye is no quantity of the flow (``report/field.py``)."""
 
 
 ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}
-"""Fields, with a name in words, whose error is written beside a movie of them; of others it is that of the velocity."""
+"""Colour -> field whose error is written beside the movie, and its name in words; other movies show the velocity's."""
 
 
-def movie_view(scene, name, end):
-    """Return what a movie to time ``end`` coloured by ``name`` shows, with the scene's own profile where it has one.
+def movie_view(scene: Any, name: str, end: float) -> MovieView:
+    """Return the view of a movie to time ``end`` coloured by ``name``, with the scene's own profile if it has one.
 
-    The range is known before the run where that profile has an exact solution at all times.
+    The range is known before the run if that profile has an exact solution at all times.
     """
     colour, own = COLOURS[name], scene.movie_profiles()
     profile = own.get(name)
@@ -278,3 +282,90 @@ def movie_view(scene, name, end):
         ends=scene.movie_ends(name, profile, end) if profile and profile.exact and "u" in scene.fields else None,
         error=ERRORS[name] if ERRORS.get(name, ("",))[0] in scene.fields else None,
     )
+
+
+# Quantities of two-dimensional flow ----------------------------------------------------------------------------------
+
+
+def centre_line(scene: Any, along: str) -> Line:
+    """Return the line ``along`` x or y through the middle of the box, with the particles within half a spacing."""
+    axis = "xy".index(along)
+    ends = [(low, low + size) for low, size in zip(scene.origin, scene.extent, strict=True)]
+    return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=0.5 * scene.spacing)
+
+
+def velocity_profile(scene: Any, field: str, along: str, **reference: Any) -> Profile:
+    """Return the Profile of the velocity ``field`` on the centre line ``along`` x or y.
+
+    ``reference``: ``exact``, ``scale`` and ``reference`` of the Profile.
+    """
+    line = centre_line(scene, along)
+    return Profile(field, "velocity", line, of=lambda snapshot: getattr(snapshot, field), **reference)
+
+
+def pressure_profile(scene: Any, line: Line) -> Profile:
+    """Return the Profile of the pressure on a ``line``, shifted so that its mean error over all particles is 0."""
+
+    def exact(x: Any, y: Any, t: Any) -> np.ndarray:
+        return scene.exact("pressure", x, y, t)
+
+    def of(snapshot: Snapshot) -> np.ndarray:
+        return snapshot.pressure - np.mean(snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t))
+
+    scale = (scene.density * scene.reference_velocity**2, "density U²")
+    return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)
+
+
+def vorticity_profile(scene: Any, line: Line) -> Profile:
+    """Return the Profile of the vorticity on a ``line``."""
+    exact = scene.exact_vorticity
+    return Profile("vorticity", "rate", line, of=lambda snapshot: vorticity(scene, snapshot, degree=2), exact=exact)
+
+
+def velocity_errors(scene: Any, snapshot: Snapshot, u: np.ndarray, v: np.ndarray) -> dict[str, float]:
+    """Return ``l2``, ``rms`` and ``linf`` of ``sample_metrics`` against ``u``, ``v`` (particles,) of a steady flow."""
+    squares, speed = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2, scene.reference_velocity
+    return {
+        "l2": np.sqrt(np.sum(squares) / np.sum(u**2 + v**2)),
+        "rms": np.sqrt(np.mean(squares)) / speed,
+        "linf": np.sqrt(np.max(squares)) / speed,
+    }
+
+
+def kinetic_energy(snapshot: Snapshot) -> float:
+    """Return the mean over the particles of (u^2 + v^2)/2."""
+    return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
+
+
+def energy_series(scene: Any) -> TimeSeries:
+    """Return the ``TimeSeries`` of the kinetic energy, without a reference."""
+    return TimeSeries(
+        content="mean kinetic energy per mass over time t",
+        name="kinetic energy per mass",
+        unit="energy",
+        scale=0.5 * scene.reference_velocity**2,
+        columns=["kinetic_energy"],
+        labels=[("mean over the particles", None)],
+        measure=lambda snapshot: np.array([kinetic_energy(snapshot)]),
+    )
+
+
+def planar_diagnostics(scene: Any, snapshot: Snapshot) -> tuple[float, dict[str, Any]]:
+    """Return the mean square of the vorticity, and the diagnostics of a planar flow that need no reference.
+
+    ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;
+    ``min_distance`` and ``max_void_radius``, see ``measures/fits.py``; ``density_variation`` = max
+    |density/density_0 - 1|. The gradients are fits (``measures/fits.py``) with errors of about 1e-4 of the largest
+    gradient at 50 particles a wavelength, which fall with the fourth power of the spacing.
+    """
+    slopes = velocity_gradients(scene, snapshot)
+    largest = np.max(np.linalg.norm(slopes, axis=0))
+    distance, radius = min_distance(scene, snapshot), max_void_radius(scene, snapshot)
+    return np.mean(np.square(slopes[2] - slopes[1])), {
+        "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / largest if largest else None,
+        "min_distance": distance,
+        "max_void_radius": radius,
+        "nearest_two": distance,  # the old names of both
+        "largest_hole": radius,
+        "density_variation": np.max(np.abs(snapshot.density / scene.density - 1)),
+    }

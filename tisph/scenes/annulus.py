@@ -1,17 +1,16 @@
-"""Circular Couette flow: fluid between two cylinders, either of which turns: steadily, from a jump on, oscillating,
-or as velocities at some times say.
+"""Circular Couette flow: fluid between two coaxial cylinders that turn steadily, start, oscillate or follow a table.
 
 Particles fill the annulus evenly, the first layer half a spacing from the walls. Motion starts, or changes, at t = 0.
 The run's clock starts at ``start_time``: at the initial time of the config for the state ``exact``, else at 0. The
-fluid is any of ``tisph/rheology``. The reference (``tisph/exact/start_up.py``) is solved for once; its stresses are in
-polar components.
+fluid is any of ``tisph/rheology``. The reference (``tisph/exact/start_up.py``) is solved once; its stresses are in
+polar components: around the axis (theta), shear, and along the radius.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,28 +20,49 @@ from tisph.config.base import Model, Positive, Problem, Signed, findings, refusa
 from tisph.config.fields import Member
 from tisph.config.motion import Amplitude, Times, Values, check_as_many, check_schedule
 from tisph.config.motion import WallMotion as WallKeys
-from tisph.exact.start_up import CircularStartUp, Wall, fluid_of
+from tisph.exact._fluids import Rheology, fluid_of
+from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.measures.metrics import field_error, relative_difference
-from tisph.scenes import _two_dimensional
-from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._initial import Initial, start_problems, still_problem
-from tisph.scenes._layers import age, depth, spreading_viscosity
-from tisph.scenes._views import ExtraSeries, Profile, Radius, TimeSeries
-from tisph.snapshot import STRESSES
+from tisph.scenes._scene import BodyScene, age, bodies_in
+from tisph.scenes._views import (
+    ExtraSeries,
+    Profile,
+    Radius,
+    TimeSeries,
+    planar_diagnostics,
+    pressure_profile,
+    vorticity_profile,
+)
+from tisph.snapshot import STRESSES, Snapshot
+
+MINUS = "\N{MINUS SIGN}"
 
 
 @lru_cache(maxsize=8)
-def _solved(rheology, kinematic_viscosity, density, inner_radius, outer_radius, inner, outer, before):
+def _solved(
+    rheology: Rheology | None,
+    kinematic_viscosity: float,
+    density: float,
+    inner_radius: float,
+    outer_radius: float,
+    inner: Any,
+    outer: Any,
+    before: Any,
+) -> CircularStartUp:
     fluid = fluid_of(rheology, kinematic_viscosity, density)
     moved = any(wall.oscillates or wall.velocity(0.0) for wall in before)
     return CircularStartUp(inner_radius, outer_radius, fluid, inner, outer, before if moved else None)
 
 
-def cartesian(stress, x, y):
-    """Components xx, xy, yy (3, ...) of a symmetric ``stress`` (3, ...) in polar ones at ``x``, ``y`` from the axis."""
+def cartesian(stress: Any, x: Any, y: Any) -> np.ndarray:
+    """Return the components xx, xy, yy (3, ...) of a symmetric tensor from its polar ones.
+
+    ``stress`` (3, ...): components around the axis, shear, and along the radius, at ``x``, ``y`` from the axis.
+    """
     cosine, sine = _directions(x, y)
     around, shear, along = stress
     both = sine * cosine
@@ -55,26 +75,26 @@ def cartesian(stress, x, y):
     )
 
 
-def polar(stress, x, y):
-    """Shear stress and N1, around the axis less along the radius, of a ``stress`` (3, ...): xx, xy, yy."""
+def polar(stress: Any, x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return the shear stress S_r-theta and N1 = S_theta-theta - S_rr of a ``stress`` (3, ...): xx, xy, yy."""
     cosine, sine = _directions(x, y)
     xx, xy, yy = stress
     twice = 2 * sine * cosine, cosine**2 - sine**2
     return 0.5 * (yy - xx) * twice[0] + xy * twice[1], (yy - xx) * twice[1] - 2 * xy * twice[0]
 
 
-def _directions(x, y):
-    """Cosine and sine of the angle of places, in double precision."""
+def _directions(x: Any, y: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return cosine and sine of the angle of places, in double precision."""
     x, y = (np.asarray(part, dtype=float) for part in (x, y))
     return x / np.hypot(x, y), y / np.hypot(x, y)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BetweenCylinders(BodyScene):
-    """Two cylinders that turn as ``inner`` and ``outer`` say; every number in the config's units.
+    """Two cylinders with the angular velocities ``inner`` and ``outer``; all quantities in the config's units.
 
-    The axis of the outer one is at ``centre``, that of the inner one by ``offset`` farther along x. ``initial_state``
-    is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
+    The axis of the outer one is at ``centre``, the axis of the inner one by ``offset`` farther along x.
+    ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
     """
 
     inner_radius: float
@@ -90,8 +110,8 @@ class BetweenCylinders(BodyScene):
     time_formula = "νt/H²"
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "BetweenCylinders":
+        """Return the scene that a validated config describes."""
         inner, outer = (turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
         return cls(
             **cls.fluid_of(config),
@@ -106,17 +126,17 @@ class BetweenCylinders(BodyScene):
         )
 
     @property
-    def origin(self):
+    def origin(self) -> tuple[float, float]:
         """Lowest corner of the box around the outer cylinder."""
-        return tuple(place - self.outer_radius for place in self.centre)
+        return self.centre[0] - self.outer_radius, self.centre[1] - self.outer_radius
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float]:
         """Diameter of the outer cylinder, twice."""
         return 2 * self.outer_radius, 2 * self.outer_radius
 
     @cached_property
-    def bodies(self):
+    def bodies(self) -> tuple[Body, ...]:
         """The two cylinders."""
         shapes = Circle(self.inner_radius), Circle(self.outer_radius, fluid_side="inside")
         axis = self.centre[0] + self.offset, self.centre[1]
@@ -124,86 +144,86 @@ class BetweenCylinders(BodyScene):
         return Body(shapes[0], axis, motion=turning[0]), Body(shapes[1], self.centre, motion=turning[1])
 
     @property
-    def jump_times(self):
+    def jump_times(self) -> tuple[float, ...]:
         """Times above 0 at which the angular velocity of a cylinder, or its slope, jumps."""
         return tuple(sorted({*self.inner.jump_times, *self.outer.jump_times}))
 
     @property
-    def reference_length(self):
-        """The gap, that between cylinders with one axis."""
+    def reference_length(self) -> float:
+        """Difference of the radii."""
         return self.outer_radius - self.inner_radius
 
     @property
-    def velocity_scale(self):
-        """Speed of the fastest wall, now or before."""
+    def velocity_scale(self) -> float:
+        """Speed of the fastest wall, at any time or before the start."""
         return max(self.inner_radius * self.inner.largest_speed, self.outer_radius * self.outer.largest_speed)
 
     @property
-    def time_scale(self):
+    def time_scale(self) -> float:
         """Viscous time of the gap."""
         return self.viscous_time
 
     @property
-    def vanishing_scale(self):
+    def vanishing_scale(self) -> bool:
         """Whether the cylinders oscillate, or come to rest."""
         walls = self.inner, self.outer
         return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
 
-    def thinnest_layer(self, t):
-        """Depth of the thinnest layer at time ``t`` and where it is: that of a wall that started, or oscillates."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: layers at cylinders that started or oscillate."""
         layers = []
         for name, wall in (("inner", self.inner), ("outer", self.outer)):
             started = self.before(wall) != wall.velocity(0.0) and not self.stays_steady
             since = age(wall, t) if started or wall.jump_times else math.inf
             if since < math.inf:
-                layers.append((depth(self, since), f"the layer at the {name} cylinder"))
+                layers.append((self.layer_depth(since), f"the layer at the {name} cylinder"))
             if wall.oscillates:
-                still = self.kinematic_viscosity
+                viscosity = self.kinematic_viscosity
                 if self.rheology and not self.polymer and wall.angular_frequency:
-                    still = spreading_viscosity(self, 1 / wall.angular_frequency)
-                moved = 0.5 * wall.penetration_depth(still)
+                    viscosity = self.spreading_viscosity(1 / wall.angular_frequency)
+                moved = 0.5 * wall.penetration_depth(viscosity)
                 layers.append((moved, f"the layer at the oscillating {name} cylinder"))
         return min(layers, default=(math.inf, ""))
 
-    def before(self, wall):
-        """Angular velocity of a cylinder before t = 0."""
+    def before(self, wall: WallMotion | Schedule) -> float:
+        """Return the angular velocity of a cylinder before t = 0."""
         if wall.before is not None:
             return wall.before
         return wall.velocity(0.0) if self.initial_state == "developed" else 0.0
 
     @property
-    def stays_steady(self):
-        """Whether the flow goes on as it was before t = 0."""
+    def stays_steady(self) -> bool:
+        """Whether the flow stays as it was before t = 0."""
         return self.initial_state == "developed" and all(
             wall.before in (None, wall.cosine) for wall in (self.inner, self.outer)
         )
 
-    def description(self):
-        """Radii and centre."""
+    def description(self) -> dict[str, Any]:
+        """Return radii and centre."""
         return {"inner_radius": self.inner_radius, "outer_radius": self.outer_radius, "centre": list(self.centre)}
 
-    def parameters(self):
-        """Pairs (label, text) of what the flow is, independent of particles."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         lines = scales(self, "the gap", "of the fastest wall")
         if self.polymer:
-            elasticity = self.polymer.relaxation_time / self.viscous_time
             lines.append(("Weissenberg number", f"{self.weissenberg:.4g}  (relaxation time * U / H)"))
-            lines.append(("elasticity number", f"{elasticity:.4g}  (relaxation time * nu / H^2)"))
+            lines.append(("elasticity number", f"{self.elasticity:.4g}  (relaxation time * nu / H^2)"))
         return lines
 
 
-def turning_of(wall):
-    """The motion of a cylinder of a config."""
+def turning_of(wall: Any) -> WallMotion | Schedule:
+    """Return the motion of a cylinder of a config."""
     if wall.angular_velocities:
         return Schedule(wall.times, wall.angular_velocities)
     return WallMotion.from_config(wall)
 
 
-MINUS = "\N{MINUS SIGN}"
+def scales(scene: Any, gap: str, speed: str, known: bool = True) -> list[tuple[str, str]]:
+    """Return pairs (label, text) for a flow between radii.
 
-
-def scales(scene, gap, speed, known=True):
-    """Pairs (label, text) of a flow between radii; in words, the ``gap`` H and the cause of the ``speed`` U."""
+    ``gap`` names the reference length H in words, ``speed`` the cause of the reference velocity U; ``known``: whether U
+    is exact.
+    """
     if scene.given_velocity:
         speed, known = "given by the config", True
     about, digits = ("", 6) if known else ("about ", 2)
@@ -220,36 +240,36 @@ def scales(scene, gap, speed, known=True):
 
 @dataclass(frozen=True, kw_only=True)
 class Annulus(BetweenCylinders):
-    """Two cylinders around one axis, with the reference of the flow between them at all times."""
+    """Two coaxial cylinders, with a reference of the flow between them at all times."""
 
     flow_quantities = ("torque_inner", "torque_outer")
 
     @property
-    def fields(self):
+    def fields(self) -> tuple[str, ...]:
         """Velocity and pressure, and the stresses of a polymer."""
         return ("u", "v", "pressure", *(STRESSES if self.polymer else ()))
 
-    def radii(self, x, y):
-        """Distance of places from the axis."""
+    def radii(self, x: Any, y: Any) -> np.ndarray:
+        """Return the distance of places from the axis."""
         return np.hypot(np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1]))
 
-    def around(self, snapshot):
-        """Velocity around the axis, array (particles,)."""
+    def around(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the velocity around the axis (particles,)."""
         x, y = snapshot.x - self.centre[0], snapshot.y - self.centre[1]
         return (x * snapshot.v - y * snapshot.u) / np.hypot(x, y)
 
-    def exact_around(self, x, y, t):
-        """Exact velocity around the axis."""
+    def exact_around(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact velocity around the axis."""
         radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
         return self._flow.velocity(radius, t)
 
-    def exact_vorticity(self, x, y, t):
-        """Exact vorticity dv/dx - du/dy (1/time), the shear rate r d(u/r)/dr and twice u/r."""
+    def exact_vorticity(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact vorticity dv/dx - du/dy (1/time), the shear rate r d(u/r)/dr plus 2 u/r."""
         radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
         return self._flow.shear_rate(radius, t) + 2 * self.exact_around(x, y, t) / radius
 
-    def exact(self, field, x, y, t):
-        """Exact value of one of ``fields``; of zero mean for the pressure, at one time."""
+    def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact value of one of ``fields``; the pressure has zero mean."""
         if field == "pressure":
             return self._exact_pressure(x, y, t)
         away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])
@@ -258,29 +278,12 @@ class Annulus(BetweenCylinders):
         part = -away[1] if field == "u" else away[0]
         return part / np.hypot(*away) * self.exact_around(x, y, t)
 
-    def exact_polymer_stress(self, x, y, t):
-        """Exact stress of the polymer in polar components, shape (3, ...): around the axis, shear, along the radius."""
+    def exact_polymer_stress(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact stress (3, ...) of the polymer in polar components: around the axis, shear, along r."""
         return self.density * self._flow.polymer_stress(self.radii(x, y), t)
 
-    @property
-    def initial_conformation_excess(self):
-        """``conformation_excess`` when the run starts; None from rest, which has none."""
-        return None if self.initial_state == "rest" else self._excess_at
-
-    def _excess_at(self, x, y):
-        """C (components, n) of each mode, xx, xy, yy (and zz), at places ``x``, ``y`` (n,) when the run starts."""
-        radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
-        away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])
-        modes = self._flow.conformation_excess(radius, self.start_time)
-        return [np.concatenate([cartesian(mode[:3], *away), mode[3:]]) for mode in modes]
-
-    def polymer_stress(self, snapshot):
-        """Shear stress (particles,) of the polymer, and its N1, the stress around the axis less that along radii."""
-        away = snapshot.x - self.centre[0], snapshot.y - self.centre[1]
-        return polar([getattr(snapshot, name) for name in STRESSES], *away)
-
-    def _exact_pressure(self, x, y, t):
-        def at(time):
+    def _exact_pressure(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        def at(time: float) -> np.ndarray:
             return self._flow.pressure(self.radii(x, y), time, density=self.density)
 
         times = np.unique(t)
@@ -288,69 +291,117 @@ class Annulus(BetweenCylinders):
             return at(times[0]) + np.zeros(np.shape(t))
         return np.concatenate([np.broadcast_to(at(time), np.shape(x)) for time in times], axis=-1)
 
-    def initial(self, x, y):
-        """The exact velocity, and stress of a polymer, when the run starts."""
+    @property
+    def initial_conformation_excess(self) -> Any:
+        """Function of places x, y (n,) that returns C (components, n) of each polymer mode when the run starts.
+
+        The components are xx, xy, yy (and zz). None from rest, where C = 0.
+        """
+        return None if self.initial_state == "rest" else self._excess_at
+
+    def _excess_at(self, x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
+        radius = np.clip(self.radii(x, y), self.inner_radius, self.outer_radius)
+        away = np.subtract(x, self.centre[0]), np.subtract(y, self.centre[1])
+        modes = self._flow.conformation_excess(radius, self.start_time)
+        return [np.concatenate([cartesian(mode[:3], *away), mode[3:]]) for mode in modes]
+
+    def polymer_stress(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+        """Return the polymer's shear stress S_r-theta and N1 = S_theta-theta - S_rr, each (particles,)."""
+        away = snapshot.x - self.centre[0], snapshot.y - self.centre[1]
+        return polar([getattr(snapshot, name) for name in STRESSES], *away)
+
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the exact velocity, and stress of a polymer, when the run starts."""
         names = [name for name in self.fields if name != "pressure"]
         return {name: self.exact(name, x, y, self.start_time) for name in names}
 
-    def exact_torques(self, t):
-        """Torques of the fluid on the inner and the outer cylinder, per length of the axis."""
+    def exact_torques(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return the torques of the fluid on the inner and the outer cylinder, per length of the axis."""
         return self._flow.torque(t, density=self.density)
 
-    @property
-    def extra_series(self):
-        """First normal stress difference of a polymer at both cylinders, ``n1_inner`` and ``n1_outer``."""
-        return self._normal_stress_series() if self.polymer else None
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return errors of pressure and stresses, torques with their references, and ``planar_diagnostics``.
 
-    def exact_normal_stress(self, t):
-        """Exact N1 (2, times) of the polymer at the inner and the outer cylinder."""
-        radii = np.array([[self.inner_radius], [self.outer_radius]])
-        around, _, along = self.density * self._flow.polymer_stress(radii, np.asarray(t))
-        return around - along
-
-    def diagnostics(self, snapshot, series):
-        """Errors of pressure and stresses, torques with their references, and ``_two_dimensional.diagnostics``.
-
-        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. ``torque_inner`` and
-        ``torque_outer``: of the fluid on the cylinders, per length of the axis, each also ``_exact``. With polymer
-        ``shear_stress_l2`` and ``normal_stress_l2``, those of its shear stress and N1 in polar components.
+        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), the mean of p - p_exact being subtracted.
+        ``torque_inner`` and ``torque_outer``: of the fluid on the cylinders, per length of the axis, each also
+        ``_exact``. With polymer ``shear_stress_l2`` and ``normal_stress_l2``, relative errors of its shear stress and
+        N1 in polar components.
         """
-        numbers = {"l2_pressure": field_error(self, snapshot, "pressure"), **self._stress_errors(snapshot)}
+        numbers = {"l2_pressure": field_error(self, snapshot, "pressure")}
+        if self.polymer:
+            around, exact_shear, along = self.exact_polymer_stress(snapshot.x, snapshot.y, snapshot.t)
+            shear, normal = self.polymer_stress(snapshot)
+            numbers["shear_stress_l2"] = relative_difference(shear, exact_shear)
+            numbers["normal_stress_l2"] = relative_difference(normal, around - along)
         exact = self.exact_torques(snapshot.t)
         for index, name in enumerate(("inner", "outer")):
-            numbers[f"torque_{name}"] = snapshot.bodies.torque[index]
+            numbers[f"torque_{name}"] = bodies_in(snapshot).torque[index]
             numbers[f"torque_{name}_exact"] = exact[index]
-        return {**numbers, **_two_dimensional.diagnostics(self, snapshot)[1]}
-
-    def _stress_errors(self, snapshot):
-        if self.polymer is None:
-            return {}
-        around, exact, along = self.exact_polymer_stress(snapshot.x, snapshot.y, snapshot.t)
-        shear, normal = self.polymer_stress(snapshot)
-        return {
-            "shear_stress_l2": relative_difference(shear, exact),
-            "normal_stress_l2": relative_difference(normal, around - along),
-        }
-
-    def movie_fields(self, name):
-        """Also all of the stress where its shear component around the axis is shown."""
-        return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
+        return {**numbers, **planar_diagnostics(self, snapshot)[1]}
 
     @property
-    def _flow(self):
-        """The ``CircularStartUp`` from rest, or on from the developed flow of what the cylinders did before."""
+    def _flow(self) -> CircularStartUp:
+        """The exact flow from rest, or from the developed flow of the motion of the cylinders before t = 0."""
         walls = self.inner, self.outer
         before = walls if self.stays_steady else tuple(Wall(self.before(wall)) for wall in walls)
         fluid = self.rheology, self.kinematic_viscosity, self.density
         return _solved(*fluid, self.inner_radius, self.outer_radius, *walls, before)
 
-    def profiles(self):
-        """Velocity around the axis, and pressure; with polymer also its shear stress and first normal difference N1."""
-        common = [self._velocity(), _two_dimensional.pressure_profile(self, self._radius())]
-        return [*common, self._shear_stress(), self._normal_stress()] if self.polymer else common
+    # Views ------------------------------------------------------------------------------------------------------------
 
-    def time_series(self):
-        """Torques on the cylinders."""
+    def profiles(self) -> list[Profile]:
+        """Return velocity around the axis and pressure; with polymer also its shear stress and N1."""
+        return [profile for name, profile in self.movie_profiles().items() if name != "vorticity"]
+
+    def movie_profiles(self) -> dict[str, Profile]:
+        """Return velocity around the axis, vorticity and pressure over the radius, and the stresses of a polymer."""
+        radius = Radius(ends=(self.inner_radius, self.outer_radius), place=self.centre)
+        scale = (self.reference_velocity, self.velocity_name("speed of the fastest wall"))
+        found = {
+            "speed": Profile("u_θ", "velocity", radius, of=self.around, exact=self.exact_around, scale=scale),
+            "vorticity": vorticity_profile(self, radius),
+            "pressure": pressure_profile(self, radius),
+        }
+        if not self.polymer:
+            return found
+
+        def exact_normal_stress(x: Any, y: Any, t: Any) -> np.ndarray:
+            around, _, along = self.exact_polymer_stress(x, y, t)
+            return around - along
+
+        found["shear_stress"] = Profile(
+            name="polymer shear stress Srθ",
+            unit="stress",
+            line=radius,
+            of=lambda snapshot: self.polymer_stress(snapshot)[0],
+            exact=lambda x, y, t: self.exact_polymer_stress(x, y, t)[1],
+        )
+        found["normal_stress_difference"] = Profile(
+            name=f"first normal stress difference N1 = Sθθ {MINUS} Srr",
+            unit="stress",
+            line=radius,
+            of=lambda snapshot: self.polymer_stress(snapshot)[1],
+            exact=exact_normal_stress,
+        )
+        return found
+
+    def movie_fields(self, name: str) -> tuple[str, ...]:
+        """See ``Scene.movie_fields``; the shear stress around the axis needs all stress components."""
+        return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
+
+    def movie_ends(self, name: str, profile: Profile, end: float) -> tuple[float, float]:
+        """Return the smallest and largest value of a ``profile`` to time ``end``.
+
+        The vorticity at a wall that starts is infinite at first. Its range is taken from the time on at which the layer
+        is a quarter of the gap deep, or from the middle of the run.
+        """
+        first = self.start_time
+        if name == "vorticity":
+            first = max(first, min(self.viscous_time / 16, 0.5 * (first + end)))
+        return profile.extremes(first, end)
+
+    def time_series(self) -> TimeSeries:
+        """Return the torques on the cylinders."""
         inner = 2 * math.pi * self.inner_radius**2
         scale = inner * self.dynamic_viscosity * self.reference_velocity / self.reference_length
         return TimeSeries(
@@ -366,68 +417,24 @@ class Annulus(BetweenCylinders):
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
         )
 
-    def _normal_stress_series(self):
-        """N1 of the polymer at the inner and the outer cylinder, with its reference."""
+    @property
+    def extra_series(self) -> ExtraSeries | None:
+        """First normal stress difference of a polymer at both cylinders, with its reference."""
+        if not self.polymer:
+            return None
         columns = ["n1_inner", "n1_outer"]
 
-        def measure(snapshot):
-            found = snapshot.bodies.normal_stress
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            found = bodies_in(snapshot).normal_stress
             return np.full(2, np.nan) if found is None else found
 
+        def exact(times: np.ndarray, _: np.ndarray) -> np.ndarray:
+            radii = np.array([[self.inner_radius], [self.outer_radius]])
+            around, _, along = self.density * self._flow.polymer_stress(radii, np.asarray(times))
+            return (around - along).T
+
         return ExtraSeries(
-            columns=columns,
-            measure=measure,
-            final_columns=[f"{name}_exact" for name in columns],
-            final=lambda times, values: self.exact_normal_stress(times).T,
-        )
-
-    def movie_profiles(self):
-        """Velocity around the axis, vorticity and pressure over the radius, and the stresses of a polymer."""
-        pressure = _two_dimensional.pressure_profile(self, self._radius())
-        vorticity = _two_dimensional.vorticity_profile(self, self._radius())
-        flow = {"speed": self._velocity(), "vorticity": vorticity, "pressure": pressure}
-        if not self.polymer:
-            return flow
-        return {**flow, "shear_stress": self._shear_stress(), "normal_stress_difference": self._normal_stress()}
-
-    def movie_ends(self, name, profile, end):
-        """Smallest and largest value of a ``profile`` to time ``end``.
-
-        Where a wall starts, the vorticity is infinite at first: its values are those in a layer a quarter of the gap
-        deep, or half-way through the run.
-        """
-        first = self.start_time
-        if name == "vorticity":
-            first = max(first, min(self.viscous_time / 16, 0.5 * (first + end)))
-        return profile.extremes(first, end)
-
-    def _radius(self):
-        return Radius(ends=(self.inner_radius, self.outer_radius), place=self.centre)
-
-    def _velocity(self):
-        scale = (self.reference_velocity, self.velocity_name("speed of the fastest wall"))
-        return Profile("u_θ", "velocity", self._radius(), of=self.around, exact=self.exact_around, scale=scale)
-
-    def _shear_stress(self):
-        return Profile(
-            name="polymer shear stress Srθ",
-            unit="stress",
-            line=self._radius(),
-            of=lambda snapshot: self.polymer_stress(snapshot)[0],
-            exact=lambda x, y, t: self.exact_polymer_stress(x, y, t)[1],
-        )
-
-    def _normal_stress(self):
-        def exact(x, y, t):
-            around, _, along = self.exact_polymer_stress(x, y, t)
-            return around - along
-
-        return Profile(
-            name=f"first normal stress difference N1 = Sθθ {MINUS} Srr",
-            unit="stress",
-            line=self._radius(),
-            of=lambda snapshot: self.polymer_stress(snapshot)[1],
-            exact=exact,
+            columns=columns, measure=measure, final_columns=[f"{name}_exact" for name in columns], final=exact
         )
 
 
@@ -437,7 +444,7 @@ TURN = "give walls.inner or walls.outer an angular_velocity other than 0"
 """Remedy where no cylinder moves."""
 
 Scene = Annulus
-"""The name under which a run asks a module of this folder for its scene."""
+"""The name under which a run looks up the scene of a module of this folder."""
 
 
 class Radii(Model):
@@ -465,10 +472,9 @@ class Geometry(Radii):
 class Cylinder(WallKeys):
     """Angular velocity of a cylinder from t = 0 on, counterclockwise: constant, or oscillating, or given at times.
 
-    ``angular_velocity`` [radians/time], with ``angular_velocity_before`` for one that turned otherwise before t = 0; or
+    ``angular_velocity`` [radians/time], and ``angular_velocity_before`` for another value before t = 0; or
     ``amplitude`` [radians/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t; or
-    ``angular_velocities`` at ``times``, linear in between and constant before and after; where two times are equal it
-    jumps.
+    ``angular_velocities`` at ``times``, linear in between and constant before and after. Two equal times make a jump.
     """
 
     speed_key = "angular_velocity"
@@ -547,26 +553,21 @@ class Config(schema.Config):
 
     @property
     def members(self) -> dict[str, Model]:
-        """Those of every scene, and the wall treatment where one is given."""
+        """Members of every scene, and the wall treatment if the config has one."""
         return {**({"walls": self.walls.treatment} if self.walls.treatment else {}), **super().members}
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
-        yield from _rheology(self)
+        """Yield the errors that the scene finds in the config."""
+        rheology, names = self.fluid.rheology, ("inner", "outer")
+        swinging = any(getattr(self.walls, name).amplitude is not None for name in names)
+        if rheology.type != "newtonian" and swinging and self.initial.state == "developed":
+            text = f"the periodic flow of {rheology.type} between cylinders that oscillate is not built in"
+            yield "initial.state", f"must be rest or exact: {text}"
         walls = self.walls.inner, self.walls.outer
         speeds = {speed for wall in walls for speed in (wall.speed, wall.speed_before)} - {None}
         if speeds <= {0.0} and not any(wall.amplitude or wall.angular_velocities for wall in walls):
             yield from still_problem(self, "walls", TURN)
-        yield from start_problems(self, ("inner", "outer"))
-        scheduled = [name for name in ("inner", "outer") if getattr(self.walls, name).angular_velocities]
+        yield from start_problems(self, names)
+        scheduled = [name for name in names if getattr(self.walls, name).angular_velocities]
         if scheduled and self.initial.state != "rest":
             yield "initial.state", f"must be rest where a wall has velocities at times (walls.{scheduled[0]})"
-
-
-def _rheology(config: Config) -> Iterator[Problem]:
-    """Starts of fluids without a reference."""
-    rheology = config.fluid.rheology
-    swinging = any(getattr(config.walls, name).amplitude is not None for name in ("inner", "outer"))
-    if rheology.type != "newtonian" and swinging and config.initial.state == "developed":
-        text = f"the periodic flow of {rheology.type} between cylinders that oscillate is not built in"
-        yield "initial.state", f"must be rest or exact: {text}"

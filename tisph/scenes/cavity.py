@@ -1,51 +1,59 @@
 """Lid-driven cavity: fluid in a box whose top slides, from rest to the steady state.
 
-Particles fill the box evenly, the first layer half a spacing from the walls. The lid starts at t = 0, with one speed
-all along (``sharp``: it slides past the corners, where the flow is singular), or with 16 X^2 (1 - X)^2 of it, X =
-x/width (``regular``). The fluid is a Newtonian one. References are those of the steady state: see
+Particles fill the box evenly, the first layer half a spacing from the walls. The lid starts at t = 0. A ``sharp`` lid
+has the same speed U everywhere: it slides past the corners, where the flow is singular. A ``regular`` lid has the speed
+16 X^2 (1 - X)^2 U, X = x/width. The references are of the steady state of a Newtonian fluid: see
 ``tisph/exact/cavity.py``.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed
 from tisph.config.checks import is_whole
-from tisph.exact.cavity import LID, RegularCavity, centre_lines
+from tisph.exact.cavity import LID, CentreLine, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
 from tisph.geometry.body import Body, SlidingWall
 from tisph.geometry.line import Line
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.resolution import steadiness
-from tisph.scenes import _two_dimensional
-from tisph.scenes._body_scene import BodyScene
 from tisph.scenes._initial import RestInitial
-from tisph.scenes._layers import depth
+from tisph.scenes._scene import BodyScene
+from tisph.scenes._views import (
+    Profile,
+    TimeSeries,
+    energy_series,
+    kinetic_energy,
+    planar_diagnostics,
+    velocity_errors,
+    velocity_profile,
+)
+from tisph.snapshot import Snapshot
 
 DECAY_LENGTH, VISCOUS_DECAY_LENGTH, LEAST_DECAY_LENGTH = 0.5, 100.0, 4.0
-"""Of the inertial part of the flow in the corners: the most in shorter sides and nu/U, the least in spacings."""
+"""Decay length of the inertial part of the corner flow: largest in shorter sides and in nu/U, least in spacings."""
 
 RESOLVED_CORNER = 10.0
-"""Cell Reynolds number U spacing/nu above which that part fades: its slopes become too steep for a step."""
+"""Cell Reynolds number U spacing/nu above which the inertial part is reduced: its gradients are too steep."""
 
 LARGEST_REYNOLDS = 400.0
-"""Of the regular lid, up to which its reference is good to 4e-7."""
+"""Reynolds number of the regular lid up to which the error of the reference is below 4e-7."""
 
 POINTS = 401
-"""On a centre line, where its extremes are looked for."""
+"""Points on a centre line among which its extremes are found."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cavity(BodyScene):
-    """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; every number in the config's units.
+    """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; all quantities in the config's units.
 
-    ``velocity`` is that of the lid, where it is ``regular`` that of its middle.
+    ``velocity``: velocity of a sharp lid, or of the middle of a ``regular`` one.
     """
 
     width: float
@@ -57,8 +65,8 @@ class Cavity(BodyScene):
     flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Cavity":
+        """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),
             width=config.geometry.width,
@@ -68,12 +76,12 @@ class Cavity(BodyScene):
         )
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.width, self.height
 
     @cached_property
-    def bodies(self):
+    def bodies(self) -> tuple[Body, ...]:
         """Bottom, right wall, lid and left wall."""
         width, height = self.extent
         lid = Line((width, height), (-1.0, 0.0), width)
@@ -86,13 +94,13 @@ class Cavity(BodyScene):
         )
 
     @cached_property
-    def corners(self):
+    def corners(self) -> tuple[CornerSingularity, ...]:
         """The two upper corners, past which a sharp lid slides."""
         if self.regular:
             return ()
         cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
         viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
-        same = {
+        same: dict[str, Any] = {
             "inward": (0.0, -1.0),
             "angle": 0.5 * np.pi,
             "kinematic_viscosity": self.kinematic_viscosity,
@@ -105,34 +113,34 @@ class Cavity(BodyScene):
         )
 
     @property
-    def reference_length(self):
+    def reference_length(self) -> float:
         """The width."""
         return self.width
 
     @property
-    def velocity_scale(self):
+    def velocity_scale(self) -> float:
         """The largest speed of the lid."""
         return abs(self.velocity)
 
     @property
-    def _lid_reynolds(self):
-        """Reynolds number by the speed of the lid, to which references belong."""
+    def _lid_reynolds(self) -> float:
+        """Reynolds number with the speed of the lid, by which references are tabulated."""
         return self.velocity_scale * self.width / self.kinematic_viscosity
 
-    def thinnest_layer(self, t):
-        """Depth of the layer under the lid, which fluid leaves after a time width/U, and where it is."""
-        return depth(self, min(t, self.width / self.velocity_scale)), "the layer under the lid"
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layer under the lid, in which fluid stays for a time width/U."""
+        return self.layer_depth(min(t, self.width / self.velocity_scale)), "the layer under the lid"
 
     @cached_property
-    def _exact(self):
+    def _exact(self) -> RegularCavity | None:
         """The flow under the regular lid, None where there is no reference."""
         if not self.regular or self.rheology or self._lid_reynolds > LARGEST_REYNOLDS:
             return None
         return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
 
     @cached_property
-    def _tables(self):
-        """Tabulated ``CentreLine`` s of the square cavity under the sharp lid; none at other Reynolds numbers."""
+    def _tables(self) -> list[CentreLine]:
+        """Tabulated centre lines of the square cavity under the sharp lid; none at other Reynolds numbers."""
         if self.regular or self.width != self.height:
             return []
         try:
@@ -140,24 +148,25 @@ class Cavity(BodyScene):
         except ValueError:
             return []
 
-    def lines(self, snapshot, coordinate):
-        """Velocity u on the vertical centre line and v on the other, at a ``coordinate`` (n,) from 0 to 1 along both.
+    def lines(self, snapshot: Snapshot, coordinate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return u (n,) on the vertical centre line and v (n,) on the other one, at ``coordinate`` (n,) from 0 to 1.
 
-        Between particles, and points on the walls with their velocities, by ``measures/fits.py``.
+        ``measures/fits.py`` interpolates between particles and points on the walls.
         """
         upright = np.stack([np.full(len(coordinate), 0.5), coordinate], 1)
         points = np.concatenate([upright, upright[:, ::-1]]) * self.extent
-        found = interpolated(self, *with_walls(self, snapshot), points)
+        positions, velocity = with_walls(self, snapshot)
+        found = interpolated(self, positions, velocity, points)
         return found[: len(upright), 0], found[len(upright) :, 1]
 
-    def diagnostics(self, snapshot, series):
-        """Numbers of a snapshot, and, where the flow is steady, their errors.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return extremes of the velocities and other numbers of a snapshot, and their errors if the flow is steady.
 
-        ``u_extreme``: of u on the vertical centre line, against the lid; ``v_min``, ``v_max`` on the horizontal one;
-        each also ``_exact``, over the width and the speed of the lid as all else. ``centre_line_error``: largest
-        difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and ``linf`` of the velocities.
-        ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``, see
-        ``measures/resolution.py``.
+        ``u_extreme``: extreme of u on the vertical centre line, opposite to the lid's direction; ``v_min``, ``v_max``:
+        extremes of v on the horizontal one; each also ``_exact``. All are over the speed of the lid.
+        ``centre_line_error``: largest difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and
+        ``linf`` of the velocities. ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``,
+        see ``measures/resolution.py``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         exact = self.extremes()
@@ -165,43 +174,43 @@ class Cavity(BodyScene):
         state = steadiness(self, snapshot.t, series)
         references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
         errors = self._errors(snapshot) if state["steady"] else {}
-        others = _two_dimensional.diagnostics(self, snapshot)[1]
+        others = planar_diagnostics(self, snapshot)[1]
         if self.corners:
-            del others["divergence_over_gradient"]  # both are infinite in the corners
+            del others["divergence_over_gradient"]  # divergence and gradient are infinite in the corners
         return {
             **numbers,
             **references,
             "centre_line_error": None,
             **errors,
-            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
+            "kinetic_energy": kinetic_energy(snapshot),
             **state,
             **others,
         }
 
-    def extremes(self):
-        """References of the extremes over the speed of the lid, by the names of ``diagnostics``; none without one."""
+    def extremes(self) -> dict[str, float]:
+        """Return the reference extremes over the speed of the lid, by their names in ``diagnostics``, if known."""
         if not (self._exact or self._tables):
             return {}
         known = self._exact.extremes() if self._exact else tabulated_extremes(round(self._lid_reynolds, 9))
         return {"u_extreme": known["u_min"], "v_min": known["v_min"], "v_max": known["v_max"]}
 
-    def _errors(self, snapshot):
-        """Errors against the reference, at a steady state."""
+    def _errors(self, snapshot: Snapshot) -> dict[str, Any]:
+        """Return the errors of a steady state against the reference."""
         if self._exact:
-            return _two_dimensional.velocity_errors(self, snapshot, *self._exact.velocity(snapshot.x, snapshot.y))
+            return velocity_errors(self, snapshot, *self._exact.velocity(snapshot.x, snapshot.y))
         differences = [
             self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity - table.value
             for table in self._tables
         ]
         return {"centre_line_error": max((np.abs(difference).max() for difference in differences), default=None)}
 
-    def _along_lid(self, table):
-        """Coordinates of a table, which has the lid move along x; mirrored where it moves the other way."""
+    def _along_lid(self, table: CentreLine) -> np.ndarray:
+        """Return the coordinates (n,) of a table, mirrored if the lid moves in the direction -x."""
         mirrored = self.velocity < 0 and table.component == "v"
         return 1.0 - table.coordinate if mirrored else table.coordinate
 
-    def _curve(self, field, tables):
-        """A function of places on a centre line, through all ``tables`` of a ``field`` and the walls."""
+    def _curve(self, field: str, tables: list[CentreLine]) -> Callable:
+        """Return a function of places on a centre line that interpolates ``tables`` of a ``field`` and the walls."""
         from scipy.interpolate import CubicSpline  # only pictures need it
 
         along = np.concatenate([[0.0, 1.0], *(self._along_lid(table) for table in tables)])
@@ -210,8 +219,8 @@ class Cavity(BodyScene):
         curve = CubicSpline(places, self.velocity * values[first])
         return lambda x, y, t: curve((y if field == "u" else x) / self.width) + 0.0 * t
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         length, time = self.units.length, self.units.time
         kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
         given = [("reference velocity U", f"{self.given_velocity:.6g} {length}/{time}")] if self.given_velocity else []
@@ -225,30 +234,30 @@ class Cavity(BodyScene):
             ("reference", f"{', '.join(references) or 'none'}{', of the steady state' if references else ''}"),
         ]
 
-    def profiles(self):
-        """Velocities along the centre lines."""
+    def profiles(self) -> list[Profile]:
+        """Return the velocities along the centre lines."""
         return [self._velocity("u", "y"), self._velocity("v", "x")]
 
-    def time_series(self):
-        """The kinetic energy."""
-        return _two_dimensional.followed_energy(self)
+    def time_series(self) -> TimeSeries:
+        """Return the kinetic energy."""
+        return energy_series(self)
 
-    def _velocity(self, field, along):
+    def _velocity(self, field: str, along: str) -> Profile:
         flow, tables = self._exact, [table for table in self._tables if table.component == field]
-        reference = {}
+        reference: dict[str, Any] = {}
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
             reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
         elif tables:
             name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
             reference = {"exact": self._curve(field, tables), "reference": name}
-        return _two_dimensional.velocity_profile(self, field, along, **reference)
+        return velocity_profile(self, field, along, **reference)
 
 
 __all__ = ["Cavity", "Config", "Scene"]
 
 Scene = Cavity
-"""The name under which a run asks a module of this folder for its scene."""
+"""The name under which a run looks up the scene of a module of this folder."""
 
 
 class Geometry(Model):
@@ -259,7 +268,7 @@ class Geometry(Model):
 
 
 class Lid(Model):
-    """Velocity along x of the lid y = height [length/time]: of all of it (sharp), or of its middle (regular)."""
+    """Velocity along x of the lid y = height [length/time]: of the whole lid (sharp), or of its middle (regular)."""
 
     velocity: Signed
     profile: Literal["sharp", "regular"] = "sharp"
@@ -297,22 +306,17 @@ class Config(schema.Config):
         return self.walls.lid.profile == "sharp"
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
-        yield from _rheology(self)
+        """Yield the errors that the scene finds in the config."""
+        rheology = self.fluid.rheology
+        if rheology.type != "newtonian" and self.singular:
+            text = f"must be regular with {rheology.type}"
+            yield "walls.lid.profile", f"{text}: the flow in the corners of a sharp lid is that of newtonian ones"
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
 
     def incommensurate(self) -> Iterator[Problem]:
-        """A height that is no whole number of spacings."""
+        """Yield an error for a height that is not a whole number of spacings."""
         if not is_whole(self.geometry.height / self.spacing):
             rows = max(1, round(self.geometry.height / self.spacing))
             nearest = f"{rows * self.spacing:.6g}"
             yield "geometry.height", f"must be a whole number of spacings of {self.spacing:.6g}; nearest: {nearest}"
-
-
-def _rheology(config: Config) -> Iterator[Problem]:
-    """Fluids that cannot be served under a sharp lid."""
-    rheology = config.fluid.rheology
-    if rheology.type != "newtonian" and config.singular:
-        text = f"must be regular with {rheology.type}: the flow in the corners of a sharp lid is that of newtonian ones"
-        yield "walls.lid.profile", text

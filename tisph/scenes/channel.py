@@ -4,21 +4,23 @@ The walls are the planes y = 0 and y = gap; fluid particles start at cell centre
 starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the
 state ``exact``, else at 0.
 
-Here is what a config says of it; the flow itself is in ``_channel``. With ``bodies`` in it the flow is no more
-parallel, and no solution is known: then it is a cell between two walls (``_cell``), at rest at first.
+This file has the config; the flow is in ``_channel``. With ``bodies`` the flow is not parallel and has no exact
+solution: the scene then is a cell between two walls (``_cell``). Runs without bodies do not import it.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
-from tisph.scenes._channel import Channel
+from tisph.scenes._channel import SIDES, Channel
 from tisph.scenes._initial import Contact, Drive, Initial, start_problems, still_problem
 
 __all__ = ["Channel", "Config", "Scene"]
@@ -26,7 +28,7 @@ __all__ = ["Channel", "Config", "Scene"]
 WallTreatment = Member("walls", usual="consistent_image")
 
 STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
-"""Of a wall, one of which says that it is stress-controlled."""
+"""Keys of a wall that make it stress-controlled."""
 
 
 class Geometry(Model):
@@ -39,12 +41,13 @@ class Geometry(Model):
 class Wall(WallMotion):
     """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating; or the stress that drives it.
 
-    ``velocity`` [length/time], with ``velocity_before`` for a wall that had another velocity before t = 0; or
-    ``amplitude`` [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t. Or a plate that starts
-    from rest, of ``mass_per_area`` [mass/length^2] (0 where left out), on which a shear stress along x acts from
-    outside [mass/(length time^2)]: ``shear_stress``, constant; ``stress_amplitude`` with ``angular_frequency`` and
-    ``phase``; or ``stresses``, each from one of the ``times`` on. Or ``velocities`` at ``times``, linear in between and
-    constant before and after; where two times are equal the velocity jumps.
+    ``velocity`` [length/time], and ``velocity_before`` for another velocity before t = 0; or ``amplitude``
+    [length/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t; or ``velocities`` at ``times``, linear
+    in between and constant before and after, with a jump where two times are equal.
+
+    Or a plate that starts from rest, of ``mass_per_area`` [mass/length^2] (default 0), under an external shear stress
+    along x [mass/(length time^2)]: constant, ``shear_stress``; ``stress_amplitude`` with ``angular_frequency`` and
+    ``phase``; or ``stresses``, each from one of the ``times`` on.
     """
 
     speed_key = "velocity"
@@ -66,7 +69,7 @@ class Wall(WallMotion):
 
     @property
     def stress_controlled(self) -> bool:
-        """Whether it is a stress that is given."""
+        """Whether the config gives a stress."""
         return any(getattr(self, key) is not None for key in STRESS_KEYS)
 
     @model_validator(mode="before")
@@ -93,7 +96,7 @@ class Wall(WallMotion):
 
 
 def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
-    """Keys that are not of the form of the ``wall``, and why, whether they are given or not."""
+    """Yield keys that do not belong to this kind of ``wall``, and the reason, whether they are given or not."""
     if wall.stresses is None and wall.velocities is None:
         yield "times", "is only for a wall with stresses, each from one of the times on, or with velocities"
     if wall.velocities is not None:
@@ -166,32 +169,34 @@ class Config(schema.Config):
 
     @property
     def members(self) -> dict[str, Model]:
-        """Those of every scene, and the wall treatment, which is for plane walls alone."""
+        """Members of every scene, and without bodies the wall treatment, which is for plane walls only."""
         return super().members if self.bodies else {"walls": self.walls.treatment, **super().members}
 
     @property
     def time_series(self) -> dict[str, Any]:
-        """The probes; with bodies it is the forces on them that are followed."""
+        """Settings of the probes; none with bodies, where forces are recorded."""
         return {} if self.bodies else {"count": self.probes.count, "x": self.probes.x}
 
     def problems(self) -> Iterator[Problem]:
-        """What the channel has against the config."""
+        """Yield the errors that the channel finds in the config."""
         if self.bodies:
-            from tisph.scenes._channel_with_bodies import problems  # of no use to the others
-
-            yield from problems(self)
+            yield from _problems_with_bodies(self)
             return
         if self.drive.gravity:
             yield "drive.gravity", "moves free bodies, and there are none: along the channel an acceleration drives it"
         yield from _driven(self)
         yield from _motion(self)
-        yield from start_problems(self, ("bottom", "top"))
-        yield from _polymer(self)
+        yield from start_problems(self, SIDES)
+        rheology = self.fluid.rheology
+        swinging = any(getattr(self.walls, side).amplitude is not None for side in SIDES)
+        if rheology.type != "newtonian" and swinging and self.initial.state == "developed":
+            text = f"no periodic flow is built in for {rheology.type} fluids"
+            yield "initial.state", f"{text}: take rest, or walls of constant velocity"
         if self.probes.x != "centre" and self.probes.x > self.geometry.length:
             yield "probes.x", f"must be inside the channel: centre, or 0 to {self.geometry.length:g}"
 
     def incommensurate(self) -> Iterator[Problem]:
-        """A length that the spacing does not divide, or that is too short."""
+        """Yield an error for a length that the spacing does not divide, or that is too short."""
         wrong = checks.incommensurate_columns(self)
         yield from wrong
         least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)
@@ -201,19 +206,44 @@ class Config(schema.Config):
 
 
 class Scene:
-    """Makes the scene of a run: the plane channel, or the cell that it is with bodies."""
+    """Maker of the scene of a run: the plane channel, or a cell if there are bodies."""
 
     @staticmethod
-    def from_config(config):
-        """The scene that a validated config describes."""
+    def from_config(config: Any) -> Any:
+        """Return the scene that a validated config describes."""
         if not config.bodies:
             return Channel.from_config(config)
-        from tisph.scenes._channel_with_bodies import scene
+        from tisph.scenes._cell import Cell, bodies_of, plane_walls, planes
 
-        return scene(config)
+        walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
+        developed = DevelopedFlow.of(config) if config.initial.state == "developed" else None
+        bodies = bodies_of(config, walls)
+        return Cell.around(config, bodies, walls, walls=planes(walls), initial_velocity=developed)
+
+
+@dataclass(frozen=True)
+class DevelopedFlow:
+    """Steady flow of a Newtonian fluid in the channel without bodies: u = U_b + (U_t - U_b) y/gap + c y (gap - y)."""
+
+    gap: float
+    bottom: float
+    top: float
+    curvature: float
+
+    @classmethod
+    def of(cls, config: Any) -> "DevelopedFlow":
+        """Return the flow of a ``config``, whose walls have constant velocities."""
+        speeds = config.walls.bottom.velocity or 0.0, config.walls.top.velocity or 0.0
+        return cls(config.geometry.gap, *speeds, config.drive.acceleration / (2.0 * config.kinematic_viscosity))
+
+    def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the velocities (2, ...) along x and y."""
+        along = self.bottom + (self.top - self.bottom) * y / self.gap + self.curvature * y * (self.gap - y)
+        return np.stack([along + 0.0 * x, 0.0 * x])
 
 
 def _motion(config: Config) -> Iterator[Problem]:
+    """Yield an error if nothing moves."""
     walls = (config.walls.bottom, config.walls.top)
     if config.drive.acceleration or any(wall.amplitude or wall.stress_controlled or wall.velocities for wall in walls):
         return
@@ -226,9 +256,9 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _driven(config: Config) -> Iterator[Problem]:
-    """What speaks against stress-controlled walls, or walls with velocities at times."""
+    """Yield errors of stress-controlled walls, and of walls with velocities at times."""
     sides, scheduled = (
-        [side for side in ("bottom", "top") if getattr(getattr(config.walls, side), key)]
+        [side for side in SIDES if getattr(getattr(config.walls, side), key)]
         for key in ("stress_controlled", "velocities")
     )
     if len(sides) > 1:
@@ -241,9 +271,34 @@ def _driven(config: Config) -> Iterator[Problem]:
         yield "walls.treatment.type", f"{text}: only its images take a stress"
 
 
-def _polymer(config: Config) -> Iterator[Problem]:
-    rheology = config.fluid.rheology
-    swinging = [side for side in ("bottom", "top") if getattr(config.walls, side).amplitude is not None]
-    if rheology.type != "newtonian" and swinging and config.initial.state == "developed":
-        text = f"no periodic flow is built in for {rheology.type} fluids"
-        yield "initial.state", f"{text}: take rest, or walls of constant velocity"
+def _problems_with_bodies(config: Config) -> Iterator[Problem]:
+    """Yield the errors in the config of a channel with bodies."""
+    from tisph.scenes._cell import bodies_of, cell_problems, plane_walls
+
+    sides = {side: getattr(config.walls, side) for side in SIDES}
+    for side, wall in sides.items():
+        if wall.stress_controlled:
+            yield f"walls.{side}", "must have a velocity: with bodies in the channel no stress can drive a wall"
+            return
+    for side, wall in sides.items():
+        if wall.velocities:
+            yield f"walls.{side}.velocities", "is not for a channel with bodies: give velocity, or an amplitude"
+            return
+    moving = any(wall.amplitude for wall in sides.values())
+    if config.initial.state != "rest" and (moving or config.fluid.rheology.type != "newtonian"):
+        text = "must be rest with bodies in the channel, unless a Newtonian fluid and steady walls make it developed"
+        yield "initial.state", text
+    elif config.initial.state == "exact":
+        yield "initial.state", "must be rest or developed: with bodies in the channel no exact flow is known"
+    if config.initial.time:
+        yield "initial.time", "must be 0: with bodies in the channel the run starts from rest"
+    for side, wall in sides.items():
+        if wall.speed_before is not None:
+            yield f"walls.{side}.velocity_before", "is not allowed with bodies: the run starts from rest"
+    if config.walls.treatment.type != "consistent_image":
+        yield "walls.treatment.type", "must be left out: with bodies walls are points on them, without images"
+    if config.probes != type(config.probes)():
+        yield "probes", "are not for a channel with bodies, in which the forces on the bodies are recorded"
+    walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
+    named = {f"walls.{name}": wall for name, wall in walls.items()}
+    yield from cell_problems(config, bodies_of(config, named), named)

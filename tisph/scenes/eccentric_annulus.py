@@ -1,13 +1,13 @@
-"""Journal bearing: fluid between two cylinders with different axes, either of which turns as in an annulus.
+"""Journal bearing: fluid between two cylinders with different axes, which turn as in an annulus.
 
-The outer axis is at the origin, the inner one at (eccentricity * (R2 - R1), 0). Particles fill what is between the
-cylinders evenly, at rest or in the Stokes flow of what these did before t = 0. The reference is that of slow flow, and
-of the steady state: see ``tisph/exact/eccentric_cylinders.py``.
+The outer axis is at the origin, the inner one at (eccentricity * (R2 - R1), 0). Particles fill the gap evenly, at rest
+or in the Stokes flow of the cylinders' motion before t = 0. The reference is the steady Stokes flow: see
+``tisph/exact/eccentric_cylinders.py``.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -18,16 +18,25 @@ from tisph.exact.eccentric_cylinders import EccentricCylinders
 from tisph.measures import resolution
 from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
-from tisph.scenes import _two_dimensional, annulus
-from tisph.scenes._views import TimeSeries
+from tisph.scenes import annulus
+from tisph.scenes._scene import bodies_in
+from tisph.scenes._views import (
+    Profile,
+    TimeSeries,
+    kinetic_energy,
+    planar_diagnostics,
+    velocity_errors,
+    velocity_profile,
+)
 from tisph.scenes.annulus import BetweenCylinders
+from tisph.snapshot import Snapshot
 
 CREEPING = 0.1
 """Reynolds number up to which Stokes flow is the reference. Inertia then changes velocities by at most 1.4e-4 (L2),
-torques by 2e-5 and the force by 1e-3 to 7e-3 (docs/evidence/verification.md)."""
+torques by 2e-5, and the force by 1e-3 to 7e-3 (docs/evidence/verification.md)."""
 
 LOADS = ("torque_inner", "torque_outer", "force_x", "force_y")
-"""Of the fluid, per length of the axes: torques on the cylinders around their own axes, force on the inner one."""
+"""Loads of the fluid per length of the axes: torques on the cylinders around their own axes, force on the inner one."""
 
 EXACT_LOADS = tuple(f"{name}_exact" for name in LOADS)
 
@@ -48,13 +57,13 @@ class Geometry(annulus.Radii):
 class Config(annulus.Config):
     """A whole run of a journal bearing."""
 
-    geometry: Geometry
+    geometry: Geometry  # type: ignore[assignment]  # other keys than in an annulus
 
     across_name = "the mean gap between the cylinders"
-    has_exact_velocity = False  # only of the steady flow
+    has_exact_velocity = False  # only the steady flow is known
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         yield from super().problems()
         if self.scheme.type == "wcsph":
             yield "scheme.type", "wcsph cannot serve eccentric cylinders yet; take auto or implicit"
@@ -64,69 +73,74 @@ class Config(annulus.Config):
             text = "must be rest, or developed for a Newtonian fluid between cylinders that do not oscillate"
             yield "initial.state", f"{text}: no other flow is known"
         inner, outer = Scene.from_config(self).bodies
-        for _, text in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
-            yield "geometry.inner_radius", text
-        for _, text in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
-            yield "geometry.eccentricity", text
+        for problem in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
+            yield "geometry.inner_radius", problem[1]
+        for problem in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
+            yield "geometry.eccentricity", problem[1]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(BetweenCylinders):
-    """Two cylinders with different axes. There is a reference of slow and steady flow alone."""
+    """Two cylinders with different axes. Only slow and steady flow has a reference."""
 
     flow_quantities = ("torque_inner", "torque_outer", "force_y")
 
     @property
-    def _creeps(self):
+    def _creeps(self) -> bool:
+        """Whether Stokes flow is the reference."""
         reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
         return self.rheology is None and reynolds <= CREEPING
 
-    def stokes(self, inner, outer):
-        """The Stokes flow of cylinders that turn at ``inner`` and ``outer``."""
+    def stokes(self, inner: float, outer: float) -> EccentricCylinders:
+        """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
         return EccentricCylinders(self.inner_radius, self.outer_radius, self.offset, inner, outer)
 
-    def narrowest(self, t):
+    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
         """See ``Scene.narrowest``."""
         gap = self.reference_length - self.offset, "the gap between the cylinders"
         return (self.inner_radius, "the radius of the inner cylinder"), gap
 
-    def initial(self, x, y):
-        """Rest, or the Stokes flow of what the cylinders did before."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the fields at rest, or in the Stokes flow of the cylinders' motion before t = 0."""
         if self.initial_state == "rest":
             return super().initial(x, y)
         before = self.stokes(self.before(self.inner), self.before(self.outer))
         return dict(zip("uv", before.velocity(x, y), strict=True))
 
-    def diagnostics(self, snapshot, series):
-        """``LOADS``, each also ``_exact``, errors of the velocity and ``l2_pressure``, and whether the flow is steady.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return ``LOADS``, each also ``_exact``, errors of velocity and pressure, and whether the flow is steady.
 
-        Errors and exact values are None unless it is steady (``measures/resolution.py``) and slow (``CREEPING``).
-        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean. Further
-        ``kinetic_energy`` per mass, and ``_two_dimensional.diagnostics``.
+        Errors and exact values are None unless the flow is steady (``measures/resolution.py``) and slow (``CREEPING``).
+        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), the mean of p - p_exact being subtracted. Further
+        ``kinetic_energy`` per mass, and ``planar_diagnostics``.
         """
-        # of the torque, since a mean over the particles scatters as they move on
+        # the torque decides: a mean over the particles scatters as they move on
         state = steadiness(self, snapshot.t, series, 1, "inner torque")
-        known = state["steady"] and self._creeps
+        errors: dict[str, Any] = dict.fromkeys(("l2_pressure", *EXACT_LOADS))
+        if state["steady"] and self._creeps:
+            flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
+            pressure = flow.pressure(snapshot.x, snapshot.y, dynamic_viscosity=self.dynamic_viscosity)
+            shifted = snapshot.pressure - np.mean(snapshot.pressure - pressure)
+            errors = {
+                **velocity_errors(self, snapshot, *flow.velocity(snapshot.x, snapshot.y)),
+                "l2_pressure": relative_difference(shifted, pressure),
+                **dict(zip(EXACT_LOADS, self._exact_loads(flow), strict=True)),
+            }
         return {
             **dict(zip(LOADS, _loads(snapshot), strict=True)),
-            **(self._against_stokes(snapshot) if known else dict.fromkeys(("l2_pressure", *EXACT_LOADS))),
-            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
+            **errors,
+            "kinetic_energy": kinetic_energy(snapshot),
             **state,
-            **_two_dimensional.diagnostics(self, snapshot)[1],
+            **planar_diagnostics(self, snapshot)[1],
         }
 
-    def _against_stokes(self, snapshot):
-        flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
-        places, viscosity = (snapshot.x, snapshot.y), {"dynamic_viscosity": self.dynamic_viscosity}
-        pressure = flow.pressure(*places, **viscosity)
-        return {
-            **_two_dimensional.velocity_errors(self, snapshot, *flow.velocity(*places)),
-            "l2_pressure": relative_difference(snapshot.pressure - np.mean(snapshot.pressure - pressure), pressure),
-            **dict(zip(EXACT_LOADS, (*flow.torque(**viscosity), *flow.force(**viscosity)), strict=True)),
-        }
+    def _exact_loads(self, flow: EccentricCylinders) -> tuple[float, ...]:
+        """Return the ``LOADS`` of a Stokes flow."""
+        viscosity = self.dynamic_viscosity
+        return *flow.torque(dynamic_viscosity=viscosity), *flow.force(dynamic_viscosity=viscosity)
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         gap = self.reference_length - self.offset
         least = f"at least {_clearance.LEAST_GAP:g}; resolved from {resolution.LEAST_GAP:g} on"
         other = f"none but of Newtonian fluids up to a Reynolds number of {CREEPING:g}"
@@ -136,21 +150,21 @@ class Scene(BetweenCylinders):
             ("reference", "Stokes flow, of the steady state" if self._creeps else other),
         ]
 
-    def profiles(self):
-        """The velocity across the line of centres."""
+    def profiles(self) -> list[Profile]:
+        """Return the velocity across the line of centres."""
         scale = self.reference_velocity, self.velocity_name("speed of the fastest wall")
         stokes = {"exact": self._across, "scale": scale, "reference": "Stokes flow"} if self._creeps else {}
-        return [_two_dimensional.velocity_profile(self, "v", "x", **stokes)]
+        return [velocity_profile(self, "v", "x", **stokes)]
 
-    def _across(self, x, y, t):
-        """Velocity along y of Stokes flow, and of the inner cylinder within it."""
+    def _across(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the velocity along y of Stokes flow, and of the inner cylinder inside it."""
         away, turning = x - self.offset, self.inner.velocity(t)
         within = np.abs(away) < self.inner_radius
         fluid = self.stokes(turning, self.outer.velocity(t)).velocity(np.where(within, self.outer_radius, x), y)[1]
         return np.where(within, turning * away, fluid)
 
-    def time_series(self):
-        """Kinetic energy, torques, and the force on the inner cylinder."""
+    def time_series(self) -> TimeSeries:
+        """Return kinetic energy, torques, and the force on the inner cylinder."""
         speed, columns = self.reference_velocity, ["kinetic_energy", *LOADS]
         of = ("mean over the fluid", "inner cylinder", "outer cylinder", "inner, along x", "inner, along y")
         loads = [*2 * [("torque per length", "torque")], *2 * [("force per length", "force")]]
@@ -162,7 +176,7 @@ class Scene(BetweenCylinders):
             scale=0.5 * speed**2,
             columns=columns,
             labels=[(name, None) for name in of],
-            measure=lambda snapshot: np.array([_two_dimensional.kinetic_energy(snapshot), *_loads(snapshot)]),
+            measure=lambda snapshot: np.array([kinetic_energy(snapshot), *_loads(snapshot)]),
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
             sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
             panels=[("kinetic energy per mass", "energy"), *loads],
@@ -170,19 +184,18 @@ class Scene(BetweenCylinders):
         )
 
     @property
-    def _stokes_levels(self):
-        """What ``time_series`` comes to; empty where no Stokes flow is its end."""
+    def _stokes_levels(self) -> tuple[float, ...]:
+        """Steady values of the ``time_series``; empty where the flow does not end as a Stokes flow."""
         if not self._creeps or self.jump_times or self.inner.oscillates or self.outer.oscillates:
             return ()
-        flow = self.stokes(self.inner.velocity(0.0), self.outer.velocity(0.0))
-        viscosity = {"dynamic_viscosity": self.dynamic_viscosity}
-        return np.nan, *flow.torque(**viscosity), *flow.force(**viscosity)
+        return np.nan, *self._exact_loads(self.stokes(self.inner.velocity(0.0), self.outer.velocity(0.0)))
 
-    def movie_series(self):
-        """Torques on the cylinders."""
+    def movie_series(self) -> TimeSeries:
+        """Return the torques on the cylinders."""
         return self.time_series().only("torque", "torque per length", "torque")
 
 
-def _loads(snapshot):
+def _loads(snapshot: Snapshot) -> tuple[float, ...]:
     """Return ``LOADS`` of a snapshot."""
-    return *snapshot.bodies.torque, *snapshot.bodies.force[0]
+    bodies = bodies_in(snapshot)
+    return *bodies.torque, *bodies.force[0]

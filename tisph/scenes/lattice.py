@@ -1,15 +1,16 @@
 """Bodies in a doubly periodic cell: fluid flows through a lattice of them, or they move in it.
 
 The cell is 0 <= x <= length, 0 <= y <= height; bodies may lie across its edges. The fluid is at rest at first, and
-driven by an acceleration along x, by bodies that move, or both. An acceleration f is that of a pressure which falls by
-density * f per length: at last the forces on the bodies add up to it times the mass of the fluid, and with the
-pressure's own buoyancy, the same for the bodies' areas, to density * f * length * height.
+driven by an acceleration along x, by bodies that move, or both. An acceleration f represents a pressure that falls by
+density * f per length. In the steady state the forces on the bodies add up to f times the mass of the fluid; with the
+buoyancy by that pressure, density * f per area of the bodies, to density * f * length * height.
 
-No solution is known. What others have found for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J.
+There is no exact solution. Numerical results for cylinders in slow flow: A. S. Sangani and A. Acrivos, Int. J.
 Multiphase Flow 8 (1982) 193-206.
 """
 
 from collections.abc import Iterator
+from typing import Any
 
 from tisph.config import checks, schema
 from tisph.config.base import Model, Positive, Problem
@@ -49,18 +50,18 @@ class Config(schema.Config):
         return self.geometry.length / self.geometry.height
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         yield from cell_problems(self, bodies_of(self, {}), {})
 
     def incommensurate(self) -> Iterator[Problem]:
-        """A length that the spacing does not divide, or periods that are too short."""
+        """Yield an error for a length that the spacing does not divide, or for each period that is too short."""
         yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:
-    """Makes the scene."""
+    """Maker of the scene."""
 
     @staticmethod
-    def from_config(config):
-        """The scene that a validated config describes."""
+    def from_config(config: Any) -> Cell:
+        """Return the scene that a validated config describes."""
         return Cell.around(config, bodies_of(config, {}), {})

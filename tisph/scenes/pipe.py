@@ -1,16 +1,16 @@
 """Flow along a pipe, or between two coaxial pipes, and around their axis: started, driven, oscillating, turning.
 
 An acceleration along the axis drives the fluid, constant or oscillating; walls move along the axis and turn around it
-at constant speeds. Motion starts, or changes, at t = 0. Nothing depends on the place along the axis, but what disorder
-makes of it. Of a Newtonian fluid the flows along and around the axis add up; other fluids have one of the two.
-See ``tisph/exact/start_up.py`` for the reference.
+at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the axis. In a
+Newtonian fluid the flows along and around the axis add up; other fluids have only one of the two. See
+``tisph/exact/start_up.py`` for the reference.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -18,14 +18,16 @@ from pydantic import Field, model_validator
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
 from tisph.config.motion import Amplitude
 from tisph.config.motion import WallMotion as Oscillation
-from tisph.exact.start_up import CircularStartUp, PipeStartUp, fluid_of
+from tisph.exact._fluids import Rheology, fluid_of
+from tisph.exact.start_up import CircularStartUp, PipeStartUp
+from tisph.geometry.body import Body
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder
 from tisph.scenes._initial import Initial, start_problems, still_problem
-from tisph.scenes._layers import depth
-from tisph.snapshot import STRESSES
+from tisph.scenes._views import Profile, TimeSeries
+from tisph.snapshot import STRESSES, Snapshot
 
 
 class Geometry(Model):
@@ -78,7 +80,7 @@ class Drive(Oscillation):
 
 
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
-"""Stresses of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
+"""Stress components of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
 
 
 class Config(_axisymmetric.Config):
@@ -108,7 +110,7 @@ class Config(_axisymmetric.Config):
         return self.initial.time
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         yield from super().problems()
         yield from start_problems(self, ())
         inner, outer = self.walls.inner or Cylinder(), self.walls.outer
@@ -130,15 +132,15 @@ class Scene(AxisymmetricScene):
     initial_state: str
 
     @property
-    def fields(self):
-        """Velocity, pressure but of a polymer along the axis alone, and stresses of a polymer, in a shear flow."""
+    def fields(self) -> tuple[str, ...]:
+        """Velocity, stresses of a polymer, and pressure unless a polymer flows along the axis."""
         if not self.polymer:
             return "u", "v", "w", "pressure"
         return ("u", "v", "w", *STRESSES) if self._flows[0] else ("u", "v", "w", "pressure", *AROUND)
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Scene":
+        """Return the scene that a validated config describes."""
         radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
         given = {"inner": config.walls.inner or Cylinder()} if config.inner_radius else {}
         given["outer"] = config.walls.outer
@@ -155,21 +157,21 @@ class Scene(AxisymmetricScene):
         )
 
     @property
-    def acceleration(self):
-        """Body acceleration along the axis that does not change."""
+    def acceleration(self) -> float:
+        """Constant body acceleration along the axis."""
         return 0.0 if self.drive.oscillates else self.drive.cosine
 
     @property
-    def body_force(self):
-        """Accelerations of a drive that oscillates; None of a constant one."""
+    def body_force(self) -> Callable | None:
+        """Function of places and a time that returns the acceleration of an oscillating drive; None without one."""
         return self._oscillating if self.drive.oscillates else None
 
-    def _oscillating(self, x, y, t):
+    def _oscillating(self, x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
         return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
 
     @property
-    def velocity_scale(self):
-        """Speed of the fastest wall, or the largest velocity that the drive may give a Newtonian fluid."""
+    def velocity_scale(self) -> float:
+        """Speed of the fastest wall, or the largest velocity that the drive may cause in a Newtonian fluid."""
         width, strength = self.reference_length, self.drive.largest_speed
         driven = strength * width**2 / (self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0))
         if self.drive.oscillates:
@@ -177,40 +179,36 @@ class Scene(AxisymmetricScene):
         return max(super().velocity_scale, driven)
 
     @property
-    def vanishing_scale(self):
+    def vanishing_scale(self) -> bool:
         """Whether the drive oscillates."""
         return self.drive.oscillates
 
     @property
-    def flow_quantities(self):
+    def flow_quantities(self) -> tuple[str, ...]:
         """Loads on the walls."""
         return self._columns
 
-    def thinnest_layer(self, t):
-        """Depth of the layer at walls after the start, and of one that oscillates; and where it is."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layer at walls after the start, or of an oscillating drive."""
         layers = []
         if self.initial_state != "developed":
-            layers.append((depth(self, t), "the layer at the wall"))
+            layers.append((self.layer_depth(t), "the layer at the wall"))
         if self.drive.oscillates:
             moved = 0.5 * self.drive.penetration_depth(self.kinematic_viscosity)
             layers.append((moved, "the layer at the wall of a flow that oscillates"))
         return min(layers, default=(math.inf, ""))
 
     @property
-    def _flows(self):
-        """The references along and around the axis."""
-        axial = tuple(wall.motion.x for wall in self._pair)
-        turning = tuple(wall.spin for wall in self._pair)
+    def _flows(self) -> "tuple[PipeStartUp | None, CircularStartUp | None]":
+        """The references along and around the axis, each None if nothing moves that way."""
+        inner, outer = self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
+        axial, turning = (inner.motion.x, outer.motion.x), (inner.spin, outer.spin)
         developed = self.initial_state == "developed"
         fluid = self.rheology, self.kinematic_viscosity, self.density
         return _solved(*fluid, (self.inner_radius, self.outer_radius), axial, turning, self.drive, developed)
 
-    @property
-    def _pair(self):
-        return self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
-
-    def exact(self, field, x, y, t):
-        """Exact value of one of ``fields``; of zero mean for the pressure, at one time."""
+    def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact value of one of ``fields``; the pressure, at one time, has zero mean."""
         along, around = self._flows
         places = np.asarray(y) + 0.0 * np.asarray(x)
         if field == "u" and along:
@@ -221,33 +219,38 @@ class Scene(AxisymmetricScene):
             return around.pressure(places, t, density=self.density)
         if field not in ("u", "v", "w", "pressure"):
             flow, names = (along, STRESSES) if along else (around, AROUND)
+            assert flow is not None
             return self.density * flow.polymer_stress(places, t)[names.index(field)]
         return np.zeros(np.broadcast(places, t).shape)
 
     @property
-    def initial_conformation_excess(self):
-        """C (components, n) of each mode at places x, y when the run starts; None from rest, which has none."""
+    def initial_conformation_excess(self) -> Callable | None:
+        """Function of places x, y (n,) that returns C (components, n) of each polymer mode at the start of the run.
+
+        None from rest, where C = 0.
+        """
         if not self.polymer or self.initial_state == "rest":
             return None
         return self._excess_at
 
-    def _excess_at(self, x, y):
+    def _excess_at(self, x: np.ndarray, y: np.ndarray) -> list[Any]:
         along, around = self._flows
         if along:
             return along.conformation_excess(y, self.start_time)
+        assert around is not None
         modes = around.conformation_excess(y, self.start_time)
         none = np.zeros_like(y)
         return [(mode[3] if len(mode) > 3 else none, none, mode[2], mode[0], none, mode[1]) for mode in modes]
 
-    def initial(self, x, y):
-        """The exact velocity when the run starts."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the exact velocity, and stresses of a polymer, when the run starts."""
         exact = {name: self.exact(name, x, y, self.start_time) for name in self.fields if name != "pressure"}
         return {**super().initial(x, y), **exact}
 
-    def exact_loads(self, t):
-        """References of ``_axisymmetric.loads`` by name, at times ``t``."""
+    def exact_loads(self, t: Any) -> dict[str, Any]:
+        """Return the references of ``loads`` by name, at times ``t``."""
         along, around = self._flows
-        none = 2 * (np.zeros(np.shape(t)),)
+        none = (np.zeros(np.shape(t)), np.zeros(np.shape(t)))
         forces = along.force(t, density=self.density) if along else none
         torques = around.torque(t, density=self.density) if around else none
         found = {}
@@ -256,51 +259,50 @@ class Scene(AxisymmetricScene):
             found[f"torque_{name}"] = self.length * torques[index]
         return found
 
-    def diagnostics(self, snapshot, series):
-        """Loads on the walls, each also ``_exact``, errors ``l2_NAME`` of pressure and stresses, mean velocity.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return loads on the walls, each also ``_exact``, and errors ``l2_NAME`` of pressure and stresses.
 
-        That is the one along the axis. ``force_NAME``: of the fluid on a wall of one period along the axis,
-        ``torque_NAME`` around it.
+        ``force_NAME``: force of the fluid along the axis on one period of a wall; ``torque_NAME``: torque around the
+        axis. ``mean_velocity``: along the axis.
         """
         exact = {f"{name}_exact": value for name, value in self.exact_loads(snapshot.t).items()}
         return {
             **{f"l2_{name}": field_error(self, snapshot, name) for name in self.fields[3:]},
-            **_axisymmetric.loads(self, snapshot),
+            **self.loads(snapshot),
             **exact,
-            "mean_velocity": _axisymmetric.mean_velocity(self, snapshot),
-            **_axisymmetric.spread(self, snapshot),
+            "mean_velocity": self.mean_velocity(snapshot),
+            **self.spread(snapshot),
         }
 
     @property
-    def _columns(self):
+    def _columns(self) -> tuple[str, ...]:
         kinds = [kind for kind, flow in zip(("force", "torque"), self._flows, strict=True) if flow]
         return tuple(f"{kind}_{name}" for kind in kinds for name in self.names)
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         return super().parameters(cause="the largest velocity, at most, that the drive gives a Newtonian fluid")
 
-    def profiles(self):
-        """Velocities over the radius."""
+    def profiles(self) -> list[Profile]:
+        """Return the velocities over the radius."""
         scale = (self.reference_velocity, "reference velocity")
         shown = [name for name, flow in zip("uw", self._flows, strict=True) if flow]
 
-        def reference(name):
+        def reference(name: str) -> Callable:
             return lambda x, y, t: self.exact(name, x, y, t)
 
-        line = _axisymmetric.across(self)
-        return [_axisymmetric.velocity(self, name, line, exact=reference(name), scale=scale) for name in shown]
+        line = self.radial_line()
+        return [self.radial_profile(name, line, exact=reference(name), scale=scale) for name in shown]
 
-    def time_series(self):
-        """Loads on the walls."""
+    def time_series(self) -> TimeSeries:
+        """Return the loads on the walls."""
         columns = self._columns
 
-        def exact(times):
+        def exact(times: np.ndarray) -> np.ndarray:
             loads = self.exact_loads(np.asarray(times))
             return np.stack([loads[name] for name in columns], axis=1)
 
-        return _axisymmetric.loads_series(
-            self,
+        return self.loads_series(
             columns,
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
             exact_columns=[f"{name}_exact" for name in columns],
@@ -308,25 +310,30 @@ class Scene(AxisymmetricScene):
             angular_frequency=self.drive.angular_frequency,
         )
 
-    def movie_series(self):
-        """Forces on the walls, or torques where nothing goes along the axis."""
-        return _axisymmetric.only_first(self.time_series())
 
-
-def _wall(name, wall, radii, length):
-    """The body of one of the walls."""
+def _wall(name: str, wall: Any, radii: tuple[float, float], length: float) -> Body:
+    """Return the body of one of the walls."""
     motion = {"motion": RigidMotion(x=WallMotion(wall.velocity)), "spin": WallMotion(wall.angular_velocity)}
     return cylinder(radii[name == "outer"], length, name == "outer", **motion)
 
 
 @lru_cache(maxsize=8)
-def _solved(rheology, kinematic_viscosity, density, radii, axial, turning, drive, developed):
-    """The flows along and around the axis, each None where nothing moves that way alone."""
+def _solved(
+    rheology: Rheology | None,
+    kinematic_viscosity: float,
+    density: float,
+    radii: tuple[float, float],
+    axial: tuple[Any, Any],
+    turning: tuple[Any, Any],
+    drive: WallMotion,
+    developed: bool,
+) -> tuple[PipeStartUp | None, CircularStartUp | None]:
+    """Return the flows along and around the axis, each None where nothing moves that way."""
     fluid = fluid_of(rheology, kinematic_viscosity, density)
     along = around = None
     if any(wall.largest_speed for wall in turning):
-        around = CircularStartUp(*radii, fluid, *turning, turning if developed else None)
+        around = CircularStartUp(radii[0], radii[1], fluid, turning[0], turning[1], turning if developed else None)
     if not around or drive.largest_speed or any(wall.largest_speed for wall in axial):
-        given = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
+        given: dict[str, Any] = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
         along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)
     return along, around

@@ -1,19 +1,19 @@
-"""Walls, bodies and a drive put together at will: fluid inside a closed wall, or between two planes, around bodies.
+"""Any combination of walls, bodies and a drive: fluid inside a closed wall, or between two planes, around bodies.
 
 With ``walls: {around: SHAPE}`` the fluid is inside a circle, an ellipse, a polygon or a closed curve, which may turn
 about its centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height of the ``geometry``, which is periodic
 along x between the walls ``bottom`` and ``top``. Bodies of any number and shape are in the fluid, which is at rest at
-first. An acceleration along x drives it where it is periodic. No solution is known: ``tisph run --estimate-error``
-tells the errors.
+first. An acceleration along x drives a periodic region. There is no exact solution: ``tisph run --estimate-error``
+estimates the errors.
 
-With ``coordinates: axisymmetric`` all of this is in the half-plane above the axis y = 0, and turned around it. A curve
-on both sides of the axis must be symmetric about it, and half of it counts; of a polygon with a side on the axis that
-side is no wall. Each side of a convex polygon around the fluid, with sharp corners of 50 degrees and more, is a wall of
-its own; another outline is one wall.
+With ``coordinates: axisymmetric`` walls and bodies are surfaces of revolution about the axis y = 0; the fluid is in the
+half-plane above it. A curve on both sides of the axis must be symmetric about it. A side of a polygon on the axis is
+not a wall. Each side of a convex polygon around the fluid, with sharp corners of 50 degrees and more, is a wall of its
+own; any other outline is one wall.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
@@ -30,25 +30,26 @@ from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
-from tisph.scenes._body_scene import farthest, plane_walls, planes
-from tisph.scenes._cell import Cell, bodies_of, cell_problems, surroundings
+from tisph.scenes._cell import Cell, Surroundings, bodies_of, cell_problems, plane_walls, planes
 from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
-from tisph.scenes._layers import depth
+from tisph.scenes._scene import farthest
+from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import turning_of
 from tisph.scenes.channel import Wall
+from tisph.snapshot import Snapshot
 
 LEAST_ANGLE = np.radians(49.9)
-"""Of sharp corners, those on the axis among them: with 45 degrees there, 16 across, fluid in a cone diverged."""
+"""Least angle of sharp corners, on the axis, too: flow in a cone of 45 degrees diverged with 16 particles across."""
 
 POINTS = 100
-"""Points on each wall from which gaps are taken."""
+"""Points on each wall for the gaps between walls."""
 
 
 def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
-    """Bodies in the fluid and walls around it by name, of a ``config``; they turn as its ``turning`` says."""
+    """Return bodies in the fluid and walls around it by name, of a ``config``, with the rotation in its ``turning``."""
     box, bodies = config.geometry, {}
     if isinstance(config.bodies, tuple):
-        periods, given = (box.length if box else math.inf, math.inf), surroundings(config)
+        periods, given = (box.length if box else math.inf, math.inf), Surroundings.of(config)
         bodies = {f"body_{i}": body_of_revolution(each.body(periods, given)) for i, each in enumerate(config.bodies)}
     walls = _around(config.walls.around) if box is None else {}
     for name, height in (("bottom", 0.0), ("top", box.height)) if box else ():
@@ -63,7 +64,7 @@ def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
 
 
 def body_of_revolution(body: Body) -> Body:
-    """The ``body``, as it is on both sides of the axis if it is a polygon with a side there."""
+    """Return the ``body``; a polygon with a side on the axis is completed by its mirror image."""
     if not isinstance(body.shape, Polygon):
         return body
     corners = body.at().to_lab_frame(np.array(body.shape.corners))
@@ -78,9 +79,8 @@ def body_of_revolution(body: Body) -> Body:
 
 
 def _around(given: Any) -> dict[str, Body]:
-    """Walls by name of the shape ``given``: ``around``, or ``around_0`` for the side from its first corner, and so on.
-
-    A side on the axis has a number and no wall.
+    """Return the walls of the shape ``given`` by name: ``around``, or ``around_0`` for the side from its first corner
+    and so on. A side on the axis has a number, but no wall.
     """
     body = given.body()
     if isinstance(body.shape, Polygon) and not body.shape.corner_radius:
@@ -98,7 +98,7 @@ def _around(given: Any) -> dict[str, Body]:
 
 
 def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:
-    """What speaks against a closed ``body`` as a surface of revolution, and against its motion."""
+    """Yield errors of a closed ``body`` as a surface of revolution, and of its motion."""
     points = body.boundary_points(body.shape.length / 1000).point
     asymmetric = np.abs(body.nearest(points * [1.0, -1.0]).distance).max() > 1e-6 * body.shape.length
     if asymmetric and points[:, 1].min() < LEAST_GAP * spacing:
@@ -110,9 +110,9 @@ def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:
 
 @dataclass(frozen=True, kw_only=True)
 class RegionOfRevolution(AxisymmetricScene):
-    """The first ``count`` of the ``bodies`` are in the fluid, the others around it; at rest at first.
+    """A fluid at rest at first; the first ``count`` of the ``bodies`` are in the fluid, the others are walls around it.
 
-    ``singular``: whether walls meet that turn differently.
+    ``singular``: whether walls with different angular velocities meet.
     """
 
     count: int
@@ -120,8 +120,8 @@ class RegionOfRevolution(AxisymmetricScene):
     singular: bool
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "RegionOfRevolution":
+        """Return the scene that a validated config describes."""
         bodies, walls = bodies_and_walls(config)
         (left, low), (right, high) = config.box.tolist()
         return cls(
@@ -139,51 +139,47 @@ class RegionOfRevolution(AxisymmetricScene):
         )
 
     @property
-    def velocity_scale(self):
-        """Speed of the fastest wall or body, or of the fluid that the acceleration drives, roughly."""
+    def velocity_scale(self) -> float:
+        """Speed of the fastest wall or body, or a rough estimate of the speed that the acceleration drives."""
         drive, width = abs(self.acceleration), self.reference_length
         driven = min(drive * width**2 / (4.0 * self.kinematic_viscosity), math.sqrt(drive * width))
         return max(super().velocity_scale, driven)
 
     @property
-    def flow_quantities(self):
-        """Loads on bodies and walls; no torques where walls meet that turn differently: they have no limit."""
+    def flow_quantities(self) -> tuple[str, ...]:
+        """Loads on bodies and walls; no torques if walls with different angular velocities meet: they diverge."""
         return tuple(name for name in self._columns if not (self.singular and name.startswith("torque")))
 
-    def narrowest(self, t):
-        """Smallest radius of a wall that bulges into the fluid, and smallest gap at a body."""
+    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+        """See ``Scene.narrowest``: the gap is the smallest one between a body and another body or wall."""
         radius = min(body.shape.convex_radius for body in self.bodies)
         pairs = ((body, other) for i, body in enumerate(self.bodies[: self.count]) for other in self.bodies[i + 1 :])
         least = min((gap(*pair, t, POINTS) for pair in pairs), default=math.inf)
         return (radius, "the smallest radius"), (least, "the gap at a body")
 
-    def thinnest_layer(self, t):
-        """Depth of the layer at walls that started at t = 0, or turn, and where it is."""
-        started = depth(self, t), "the layer at walls"
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layer at walls that started at t = 0, or turn."""
+        started = self.layer_depth(t), "the layer at walls"
         return min(started, layer_at_plates(self)) if self.count or not self.periodic[0] else started
 
-    def diagnostics(self, snapshot, series):
-        """Forces along the axis and torques around it on bodies and walls, and kinetic energies."""
-        energies = zip(_axisymmetric.ENERGIES, _axisymmetric.kinetic_energies(snapshot), strict=True)
-        return {**_axisymmetric.loads(self, snapshot), **dict(energies), **_axisymmetric.spread(self, snapshot)}
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return forces along the axis and torques around it on bodies and walls, and kinetic energies."""
+        energies = zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True)
+        return {**self.loads(snapshot), **dict(energies), **self.spread(snapshot)}
 
-    def profiles(self):
-        """Velocities over the radius in the middle of the length."""
-        line = _axisymmetric.across(self, self.left + 0.5 * self.length)
-        return [_axisymmetric.velocity(self, name, line) for name in "w" * self.swirls + "uv"]
+    def profiles(self) -> list[Profile]:
+        """Return the velocities over the radius in the middle of the length."""
+        line = self.radial_line(self.left + 0.5 * self.length)
+        return [self.radial_profile(name, line) for name in "w" * self.swirls + "uv"]
 
     @property
-    def _columns(self):
+    def _columns(self) -> tuple[str, ...]:
         kinds = ("torque", "force") if self.swirls else ("force",)
         return tuple(f"{kind}_{name}" for kind in kinds for name in self.names)
 
-    def time_series(self):
-        """Forces along the axis and, where something turns, torques around it."""
-        return _axisymmetric.loads_series(self, self._columns)
-
-    def movie_series(self):
-        """Torques, or forces where nothing turns."""
-        return _axisymmetric.only_first(self.time_series())
+    def time_series(self) -> TimeSeries:
+        """Return torques around the axis, if something turns, and forces along it."""
+        return self.loads_series(self._columns)
 
 
 class Geometry(Model):
@@ -195,11 +191,11 @@ class Geometry(Model):
 
 
 class Walls(Model):
-    """One closed wall ``around`` the fluid, a shape as bodies have them; or those at y = 0 and y = height."""
+    """One closed wall ``around`` the fluid, with the shape of a body; or walls at y = 0 and y = height."""
 
     unset_keys = ("around", "bottom", "top")
 
-    around: Annotated[Model, Member("bodies", usual="circle")] | None = None
+    around: Annotated[Any, Member("bodies", usual="circle")] | None = None
     bottom: Wall | None = None
     top: Wall | None = None
 
@@ -220,15 +216,15 @@ class Walls(Model):
 
 
 class Turning(annulus.Cylinder):
-    """Angular velocity around the axis of a ``wall``, one of those that results name; ``around`` is all around.
+    """Angular velocity around the axis of a ``wall`` or body, by its name in results; the keys are as for a cylinder.
 
-    It is given as that of a cylinder is.
+    ``around`` means all sides of the closed wall.
     """
 
     wall: str
 
     def turns(self, name: str) -> bool:
-        """Whether the wall called ``name`` is meant."""
+        """Return whether this is the rotation of the wall called ``name``."""
         return name == self.wall or (self.wall == "around" and name.startswith("around_"))
 
 
@@ -272,17 +268,18 @@ class Config(schema.Config):
 
     @property
     def singular(self) -> bool:
-        """Whether walls meet that turn around the axis differently."""
+        """Whether walls with different angular velocities around the axis meet."""
         sides = [wall.spin for wall in bodies_and_walls(self)[1].values()] if self.axisymmetric else []
         return not self.periodic[0] and any(spin != sides[0] for spin in sides)
 
     @property
     def box(self) -> np.ndarray:
         """Lowest and highest corner (2, 2) of the box."""
-        if self.walls.around is None:
+        if self.geometry is not None:
             low = self.geometry.inner_radius
             return np.array([[0.0, low], [self.geometry.length, low + self.geometry.height]])
-        body = self.walls.around.body()
+        around: Any = self.walls.around
+        body = around.body()
         if body.motion.rotation.largest_speed:
             return body.centre + farthest(body.shape) * np.array([[-1.0, -1.0], [1.0, 1.0]])
         points = body.boundary_points(body.shape.length / 1000).point if body.angle else body.shape.extent + body.centre
@@ -301,17 +298,17 @@ class Config(schema.Config):
 
     @property
     def aspect(self) -> float:
-        """Length over height where the length is a period; else nothing has to be divided by the spacing."""
+        """Length over height where the length is a period; 1 else, when the spacing need not divide any length."""
         return self.extent[0] / self.extent[1] if self.periodic[0] else 1.0
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         for name in ("bottom", "top"):
             wall = getattr(self.walls, name)
             if wall and (wall.stress_controlled or wall.velocities):
                 yield f"walls.{name}", "must have a constant velocity, or an amplitude"
                 return
-        yield from _of_coordinates(self)
+        yield from _coordinate_problems(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
             yield "drive.acceleration", "drives nothing inside a closed wall: the pressure takes it up"
@@ -323,26 +320,26 @@ class Config(schema.Config):
         yield from cell_problems(self, placed, walls)
 
     def incommensurate(self) -> Iterator[Problem]:
-        """A length that the spacing does not divide, or that is too short."""
+        """Yield an error for a length that the spacing does not divide, or that is too short."""
         if self.periodic[0]:
             yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:
-    """Makes the scene."""
+    """Maker of the scene."""
 
     @staticmethod
-    def from_config(config):
-        """The scene that a validated config describes."""
+    def from_config(config: Any) -> Cell | RegionOfRevolution:
+        """Return the scene that a validated config describes."""
         if config.axisymmetric:
             return RegionOfRevolution.from_config(config)
         walls = _walls(config)
-        own = {"origin": config.origin} if "around" in walls else {"planes": planes(walls)}
+        own = {"origin": config.origin} if "around" in walls else {"walls": planes(walls)}
         return Cell.around(config, bodies_of(config, walls, config.origin), walls, **own)
 
 
-def _of_coordinates(config: Config) -> Iterator[Problem]:
-    """What the coordinates do not allow, or not in this shape."""
+def _coordinate_problems(config: Config) -> Iterator[Problem]:
+    """Yield errors of sections that the coordinates do not allow, or not in this form."""
     if not config.axisymmetric:
         if config.turning or (config.geometry and config.geometry.inner_radius):
             yield "turning" if config.turning else "geometry.inner_radius", "is only for coordinates: axisymmetric"
@@ -369,8 +366,8 @@ def _of_coordinates(config: Config) -> Iterator[Problem]:
         yield from outline_problems(key, body, config.spacing)
 
 
-def _walls(config):
-    """Bodies around the fluid by name."""
+def _walls(config: Any) -> dict[str, Body]:
+    """Return the walls around the fluid by name."""
     if config.walls.around is None:
         return plane_walls(config.geometry.length, config.geometry.height, config.walls)
     body = config.walls.around.body()

@@ -4,16 +4,16 @@ With the period L, the thickness d of the layers and the perturbation e, the run
 
     u = U tanh((y - L/4)/d) below y = L/2, U tanh((3L/4 - y)/d) above it,    v = e U sin(2 pi x/L).
 
-The layers wrap up into a vortex each, and strain what lies between. No solution is known. A fluid with polymer starts
-without stress.
+Each layer rolls up into a vortex, and the fluid between the vortices is strained. There is no exact solution. A fluid
+with polymer starts without stress.
 
 Source: J. B. Bell, P. Colella and H. M. Glaz, J. Comput. Phys. 85 (1989) 257-283, section 5; D. L. Brown and M. L.
 Minion, J. Comput. Phys. 122 (1995) 165-183 (thick layers: L/30 at a Reynolds number of 1e4; thin ones: L/100).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -21,15 +21,15 @@ from pydantic import Field
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.measures.fits import velocity_gradients
-from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.snapshot import STRESSES
+from tisph.scenes._views import Profile, TimeSeries, energy_series, kinetic_energy, planar_diagnostics, velocity_profile
+from tisph.snapshot import STRESSES, Snapshot
 
 ROLLING_UP = 1.25
-"""What the vortices may add to the speed of the streams, as a factor."""
+"""Largest speed in the flow over the speed of the streams."""
 
 THICKEST = 1 / 24
-"""Thickness of a layer over the period above which the streams have a kink: tanh' = 1e-5 of the largest between."""
+"""Thickness of a layer over the period above which the streams have a kink: between them tanh' is 1e-5 of its peak."""
 
 
 class Geometry(Model):
@@ -67,7 +67,7 @@ class Config(schema.Config):
         return self.geometry.length, self.geometry.length
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         largest = THICKEST * self.geometry.length
         if self.initial.thickness > largest:
             text = f"must be at most {largest:.6g}, 1/24 of the side"
@@ -76,7 +76,7 @@ class Config(schema.Config):
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(AnyScene):
-    """The layers; every number in the config's units. ``speed`` is that of the streams."""
+    """The layers; all quantities in the config's units. ``speed``: speed of the streams."""
 
     length: float
     speed: float
@@ -86,8 +86,8 @@ class Scene(AnyScene):
     flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Scene":
+        """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),
             length=config.geometry.length,
@@ -99,65 +99,63 @@ class Scene(AnyScene):
         )
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.length, self.length
 
     @property
-    def reference_length(self):
+    def reference_length(self) -> float:
         """The side."""
         return self.length
 
     @property
-    def velocity_scale(self):
+    def velocity_scale(self) -> float:
         """The speed of the streams."""
         return self.speed
 
     @property
-    def peak_velocity(self):
-        """The speed that the vortices may add to, roughly."""
+    def peak_velocity(self) -> float:
+        """Rough bound of the speed in the vortices."""
         return ROLLING_UP * super().peak_velocity
 
-    def thinnest_layer(self, t):
-        """The layers as they are at the start: what they lack then comes at no later time."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layers at the start, which are not resolved later if not then."""
         return self.thickness, "the shear layer of the start"
 
-    def initial(self, x, y):
-        """Velocities when the run starts."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return velocities, and stresses of a polymer, when the run starts."""
         from_layer = np.where(y <= 0.5 * self.length, y - 0.25 * self.length, 0.75 * self.length - y)
         u = self.speed * np.tanh(from_layer / self.thickness)
         stress = dict.fromkeys(STRESSES, np.zeros(np.shape(x))) if self.polymer else {}
         return {"u": u, "v": self.perturbation * self.speed * np.sin(2 * np.pi * x / self.length), **stress}
 
-    def diagnostics(self, snapshot, series):
-        """Numbers of a snapshot: means over the particles, and those of ``_two_dimensional.diagnostics``.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return means over the particles, and ``planar_diagnostics``.
 
-        ``kinetic_energy`` and ``dissipation``, without that of a polymer, per mass; ``mean_u``, ``mean_v``: velocity
-        of all fluid, 0 at first.
+        ``kinetic_energy`` per mass; ``dissipation`` per mass, without the dissipation of a polymer; ``mean_u``,
+        ``mean_v``: mean velocity of the fluid, 0 at first.
         """
-        square, others = _two_dimensional.diagnostics(self, snapshot)
+        square, others = planar_diagnostics(self, snapshot)
+        dissipation = self.solvent_viscosity * square
+        if self.rheology and not self.polymer:
+            slopes = velocity_gradients(self, snapshot)
+            squared = (slopes[0] - slopes[3]) ** 2 + (slopes[1] + slopes[2]) ** 2
+            law = self.rheology.law(self.kinematic_viscosity, self.density)
+            dissipation = np.mean(law.viscosity(squared) * squared)
         return {
-            "kinetic_energy": _two_dimensional.kinetic_energy(snapshot),
-            "dissipation": self._dissipation(snapshot, square),
+            "kinetic_energy": kinetic_energy(snapshot),
+            "dissipation": dissipation,
             "mean_u": np.mean(snapshot.u),
             "mean_v": np.mean(snapshot.v),
             **others,
         }
 
-    def _dissipation(self, snapshot, square):
-        """``dissipation``; ``square`` is the mean square of the vorticity."""
-        if self.rheology is None or self.polymer:
-            return self.solvent_viscosity * square
-        slopes = velocity_gradients(self, snapshot)
-        squared = (slopes[0] - slopes[3]) ** 2 + (slopes[1] + slopes[2]) ** 2
-        return np.mean(self.rheology.law(self.kinematic_viscosity, self.density).viscosity(squared) * squared)
-
-    def description(self):
-        """Side and thickness of the layers."""
+    def description(self) -> dict[str, Any]:
+        """Return side and thickness of the layers."""
         return {"length": self.length, "thickness": self.thickness}
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         length, time = self.units.length, self.units.time
         elastic = [("Weissenberg number", f"{self.weissenberg:.4g}  (relaxation time * U / L)")] if self.polymer else []
         spacings = f"{self.thickness / self.spacing:.3g} spacings"
@@ -170,10 +168,10 @@ class Scene(AnyScene):
             *elastic,
         ]
 
-    def profiles(self):
-        """Velocities along the centre lines."""
-        return [_two_dimensional.velocity_profile(self, "u", "y"), _two_dimensional.velocity_profile(self, "v", "x")]
+    def profiles(self) -> list[Profile]:
+        """Return the velocities along the centre lines."""
+        return [velocity_profile(self, "u", "y"), velocity_profile(self, "v", "x")]
 
-    def time_series(self):
-        """The kinetic energy."""
-        return _two_dimensional.followed_energy(self)
+    def time_series(self) -> TimeSeries:
+        """Return the kinetic energy."""
+        return energy_series(self)

@@ -1,16 +1,16 @@
 """A sphere, or a spheroid, on the axis of a tube: held in a flow, moved along the axis, turned around it, or falling.
 
 The flow is periodic along the tube, and the body in the middle at first. With the closure ``no_flux`` a pressure
-gradient keeps the mean velocity over each cross-section, 0 in a tube that is closed far away; with
-``periodic_pressure`` there is none but that of the acceleration. The fluid is at rest at first. Forces are those on the
-whole body, with the part of the mean pressure gradient.
+gradient maintains the mean velocity over each cross-section, which is 0 in a tube that is closed far away. With
+``periodic_pressure`` the only mean pressure gradient is the given acceleration. The fluid is at rest at first. Forces
+are on the whole body, and include the force of the mean pressure gradient.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
@@ -25,9 +25,10 @@ from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
-from tisph.scenes._layers import depth
-from tisph.scenes._views import TimeSeries
+from tisph.scenes._scene import bodies_in
+from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.pipe import Cylinder
+from tisph.snapshot import Snapshot
 
 FREE_KEYS = ("density", "force")
 
@@ -35,7 +36,7 @@ FREE_KEYS = ("density", "force")
 class Geometry(Model):
     """Radii of tube and sphere, and period along the axis [length].
 
-    ``half_length``: of a spheroid, half of its axis along the tube; that of a sphere where left out.
+    ``half_length``: half of the axis of a spheroid along the tube; a sphere where left out.
     """
 
     unset_keys = ("half_length",)
@@ -47,10 +48,10 @@ class Geometry(Model):
 
 
 class Sphere(Model):
-    """What the body does from t = 0 on: constant ``velocity`` along the axis, or ``free``; and what turns it.
+    """Motion of the body from t = 0 on: constant ``velocity`` along the axis, or ``free``; and its rotation.
 
-    ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], that of the fluid
-    where left out, and a ``force`` along the axis from outside [mass length/time^2], as its weight less its buoyancy.
+    ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], by default the density
+    of the fluid, and an external ``force`` along the axis [mass length/time^2], such as its weight minus its buoyancy.
     """
 
     unset_keys = ("velocity", *FREE_KEYS)
@@ -78,15 +79,15 @@ class Walls(Model):
 
 
 class Drive(Model):
-    """Acceleration along the axis [length/time^2], or the mean velocity that closure ``no_flux`` keeps."""
+    """Acceleration along the axis [length/time^2], or the mean velocity that closure ``no_flux`` maintains."""
 
     acceleration: Signed = 0.0
     mean_velocity: Signed = 0.0
 
 
 FRONT = 1.95
-"""Depth of the layer in front of the body, in sqrt(nu/a), a = (3/2) U/R being the strain rate there: the velocity is
-99 % of that outside (stagnation flow, F. Homann, Z. angew. Math. Mech. 16 (1936) 153-164)."""
+"""Depth of the layer in front of the body, in sqrt(nu/a), where the velocity is 99 % of the outer one; a = (3/2) U/R is
+the strain rate there (stagnation flow, F. Homann, Z. angew. Math. Mech. 16 (1936) 153-164)."""
 
 
 class Config(_axisymmetric.Config):
@@ -108,7 +109,7 @@ class Config(_axisymmetric.Config):
         return self.geometry.tube_radius
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         yield from super().problems()
         closed = self.closure == "no_flux"
         if closed and self.drive.acceleration:
@@ -118,20 +119,16 @@ class Config(_axisymmetric.Config):
         if not Scene.from_config(self).velocity_scale:
             remedy = "give a velocity or an angular_velocity, or let it be free under a force"
             yield from still_problem(self, "sphere", remedy)
-        yield from self._sizes()
-
-    def _sizes(self) -> Iterator[Problem]:
-        """A body that is too small, or too large."""
         body, tube = Scene.from_config(self).bodies
-        for _, text in _clearance.size_problems([("", circle.Parameters, body)], self.spacing, self.across):
-            yield "geometry.sphere_radius", text
-        for _, text in _clearance.problems([body], {"walls.tube": tube}, self.spacing):
-            yield "geometry.sphere_radius", text
+        for problem in _clearance.size_problems([("", circle.Parameters, body)], self.spacing, self.across):
+            yield "geometry.sphere_radius", problem[1]
+        for problem in _clearance.problems([body], {"walls.tube": tube}, self.spacing):
+            yield "geometry.sphere_radius", problem[1]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(AxisymmetricScene):
-    """A sphere in a tube, its ``bodies``. ``acceleration`` along the axis; None where a mean velocity is kept."""
+    """A sphere and a tube, the two ``bodies``; ``acceleration`` along the axis."""
 
     acceleration: float
     kept_mean_velocity: float | None
@@ -140,11 +137,11 @@ class Scene(AxisymmetricScene):
     time_formula = "tU/a"
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Scene":
+        """Return the scene that a validated config describes."""
         geometry, kept = config.geometry, config.closure == "no_flux"
-        tube = {"motion": RigidMotion(x=WallMotion(config.walls.tube.velocity))}
-        tube["spin"] = WallMotion(config.walls.tube.angular_velocity)
+        given = config.walls.tube
+        tube = {"motion": RigidMotion(x=WallMotion(given.velocity)), "spin": WallMotion(given.angular_velocity)}
         return cls(
             **cls.fluid_of(config),
             length=geometry.length,
@@ -157,102 +154,108 @@ class Scene(AxisymmetricScene):
         )
 
     @property
-    def sphere(self):
+    def sphere(self) -> Body:
         """The body."""
         return self.bodies[0]
 
     @cached_property
-    def reference_length(self):
+    def reference_length(self) -> float:
         """Radius of the body across the axis."""
         return float(self.sphere.shape.extent[1, 1])
 
     @cached_property
-    def velocity_scale(self):
-        """Speed of the body or of the tube, by the load of one that is free, or of the driven fluid, roughly."""
-        body, radius = self.sphere, self.reference_length
+    def velocity_scale(self) -> float:
+        """Largest speed of body, tube and driven fluid; rough estimates for a free body under a load and the fluid."""
+        body, radius, motion = self.sphere, self.reference_length, self.sphere.motion
         speeds = [abs(self.kept_mean_velocity or 0.0), wall_speed(self.bodies[1])]
         speeds.append(abs(self.acceleration) * (self.outer_radius - radius) ** 2 / (4.0 * self.kinematic_viscosity))
         speeds.append(radius * body.spin.largest_speed)
-        if body.free:
-            load = abs(body.motion.inertia.load[0])
+        if isinstance(motion, FreeMotion):
+            load = abs(motion.inertia.load[0])
             slow = load / (6.0 * math.pi * self.dynamic_viscosity * radius)
             speeds.append(min(slow, math.sqrt(load / (self.density * radius**2))))
         else:
-            speeds.append(body.motion.x.largest_speed)
+            speeds.append(motion.x.largest_speed)
         return max(speeds)
 
     @property
-    def peak_velocity(self):
-        """What may become of it beside the body, roughly."""
+    def peak_velocity(self) -> float:
+        """Rough bound of the speed beside the body."""
         return 2.0 * super().peak_velocity
 
     @property
-    def time_scale(self):
-        """Time in which the fluid or the body goes its radius."""
+    def time_scale(self) -> float:
+        """Time in which the fluid or the body moves by the radius."""
         return self.reference_length / self.reference_velocity
 
     @property
-    def contact(self):
-        """See ``Scene.contact``: nothing touches on the axis."""
+    def contact(self) -> tuple[float, float] | None:
+        """See ``Scene.contact``: a pressure of 0, because nothing touches on the axis."""
         return (self.spacing, 0.0) if self.has_free_bodies else None
 
-    def narrowest(self, t):
-        """Radius of curvature of the body, and gap between it and the tube."""
+    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+        """See ``Scene.narrowest``: radius of curvature of the body, and gap between body and tube."""
         radius = self.sphere.shape.convex_radius
         gap = self.outer_radius - self.reference_length
         return (radius, "the smallest radius of the sphere"), (gap, "the gap between sphere and tube")
 
-    def thinnest_layer(self, t):
-        """Depth of the layer at the body that started at t = 0, or of that in front of it; and where it is."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layer at the body that started at t = 0, or in front of the body."""
         strain_rate = 0.75 * self.peak_velocity / self.sphere.shape.convex_radius
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        return min((depth(self, t), "the layer at the sphere"), (front, "the layer in front of the sphere"))
+        return min((self.layer_depth(t), "the layer at the sphere"), (front, "the layer in front of the sphere"))
 
-    def open_section(self, t):
-        """Place along the axis that is farthest from the body at time ``t``."""
+    def open_section(self, t: float) -> float:
+        """Return the place along the axis that is farthest from the body at time ``t``."""
         return float(self.sphere.at(t).centre[0]) + 0.5 * self.length
 
-    def diagnostics(self, snapshot, series):
-        """Force and torque on sphere and tube, ``drag`` and where the sphere is.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return force and torque on sphere and tube, drag, place and velocity of the sphere.
 
-        ``drag``: minus the force on the sphere along its velocity relative to the tube, or plus that along a mean flow
-        past one at rest; ``drag_ratio``: over 6 pi mu a U, U being the larger of these speeds and a the radius across
-        the axis; None of a fluid at rest. ``mean_velocity``: over a cross-section; ``acceleration``
-        along the axis, that of the mean pressure gradient.
+        ``drag``: force against the motion of the sphere relative to the tube, or along the flow past a sphere at rest.
+        ``drag_ratio``: drag / (6 pi mu a U), a the radius across the axis, U the speed of the sphere relative to the
+        tube, or the mean velocity of the flow past a sphere at rest; None if both are 0. ``mean_velocity``: over a
+        cross-section; ``acceleration``: along the axis, by the mean pressure gradient.
         """
-        found = _axisymmetric.loads(self, snapshot)
+        found = self.loads(snapshot)
         force = found["force_sphere"]
-        velocity = snapshot.bodies.velocity[0, 0] - snapshot.bodies.velocity[1, 0]
+        bodies = bodies_in(snapshot)
+        velocity = bodies.velocity[0, 0] - bodies.velocity[1, 0]
         drag = -force * np.sign(velocity) if velocity else abs(force)
         speed = abs(velocity) or abs(self.kept_mean_velocity or 0.0)
         scale = 6.0 * np.pi * self.dynamic_viscosity * self.reference_length * speed
         return {
             "drag": drag,
             "drag_ratio": drag / scale if scale else None,
-            "place": snapshot.bodies.centre[0, 0],
-            "velocity": snapshot.bodies.velocity[0, 0],
+            "place": bodies.centre[0, 0],
+            "velocity": bodies.velocity[0, 0],
             **found,
-            "acceleration": _axisymmetric.acceleration(self, snapshot),
-            "mean_velocity": _axisymmetric.mean_velocity(self, snapshot),
-            **_axisymmetric.spread(self, snapshot),
+            "acceleration": self.axial_acceleration(snapshot),
+            "mean_velocity": self.mean_velocity(snapshot),
+            **self.spread(snapshot),
         }
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         ratio = self.reference_length / self.outer_radius
         kept = self.reference_velocity == abs(self.kept_mean_velocity or 0.0)
         lines = super().parameters("the radius of the sphere, across the axis", "the mean velocity" if kept else None)
         return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii")]
 
-    def profiles(self):
-        """Velocities over the radius at the place of the sphere at first."""
-        line = _axisymmetric.across(self, 0.5 * self.length)
-        return [_axisymmetric.velocity(self, name, line) for name in ("u", "v")]
+    def profiles(self) -> list[Profile]:
+        """Return the velocities over the radius at the initial place of the sphere."""
+        line = self.radial_line(0.5 * self.length)
+        return [self.radial_profile(name, line) for name in ("u", "v")]
 
-    def time_series(self):
-        """Force on the sphere along the axis, torque around it, and its velocity."""
+    def time_series(self) -> TimeSeries:
+        """Return the force on the sphere along the axis, the torque around it, its place and its velocity."""
         radius, speed = self.reference_length, self.reference_velocity
         force = 6.0 * np.pi * self.dynamic_viscosity * radius * speed
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            bodies, load = bodies_in(snapshot), self.loads(snapshot)["force_sphere"]
+            return np.array([load, bodies.torque[0], bodies.centre[0, 0], bodies.velocity[0, 0]])
+
         return TimeSeries(
             content="force and torque of the fluid on the sphere, its place and velocity along the axis",
             name="force",
@@ -261,7 +264,7 @@ class Scene(AxisymmetricScene):
             columns=["force_sphere", "torque_sphere", "place", "velocity"],
             labels=[("force", None), ("torque", None), ("place", None), ("velocity", None)],
             exact_columns=[],
-            measure=self._followed,
+            measure=measure,
             exact=lambda times: None,
             sizes=[force, force * radius, radius, speed],
             panels=[
@@ -273,38 +276,23 @@ class Scene(AxisymmetricScene):
             drifting=["place"],
         )
 
-    def _followed(self, snapshot):
-        bodies = snapshot.bodies
-        return np.array(
-            [
-                _axisymmetric.loads(self, snapshot)["force_sphere"],
-                bodies.torque[0],
-                bodies.centre[0, 0],
-                bodies.velocity[0, 0],
-            ]
-        )
-
-    def movie_series(self):
-        """The force on the sphere, or the velocity of one that is free."""
+    def movie_series(self) -> TimeSeries:
+        """Return the force on the sphere, or the velocity of a free sphere."""
         velocity = self.sphere.free
         kind = ("velocity", "velocity") if velocity else ("force", "whole_force")
         return self.time_series().only("velocity" if velocity else "force", *kind)
 
 
-def _body(config):
-    """The sphere of a config, or the spheroid."""
+def _body(config: Any) -> Body:
+    """Return the sphere of a config, or the spheroid."""
     geometry, given = config.geometry, config.sphere
     radius, half = geometry.sphere_radius, geometry.half_length
     shape = Circle(radius) if half in (None, radius) else Ellipse((half, radius))
-    motion = RigidMotion(x=WallMotion(given.velocity or 0.0))
+    motion: RigidMotion | FreeMotion = RigidMotion(x=WallMotion(given.velocity or 0.0))
     if given.free:
-        motion = FreeMotion(_inertia(config, volume_of_revolution(shape.boundary_points(shape.length / POINTS))))
+        volume, fluid = volume_of_revolution(shape.boundary_points(shape.length / POINTS)), config.fluid.density
+        mass = volume * (fluid if given.density is None else given.density)
+        load = (given.force or 0.0) + fluid * volume * config.drive.acceleration
+        motion = FreeMotion(Inertia((mass, mass, 1.0), (load, 0.0, 0.0), held=(False, True, True), displaced=volume))
     centre, spin = (0.5 * geometry.length, 0.0), WallMotion(given.angular_velocity)
     return Body(shape, centre, motion=motion, periods=(geometry.length, math.inf), spin=spin)
-
-
-def _inertia(config, volume):
-    fluid, given = config.fluid.density, config.sphere
-    mass = volume * (fluid if given.density is None else given.density)
-    load = (given.force or 0.0) + fluid * volume * config.drive.acceleration
-    return Inertia((mass, mass, 1.0), (load, 0.0, 0.0), held=(False, True, True), displaced=volume)

@@ -1,17 +1,15 @@
 """Taylor-Couette flow: fluid between two cylinders that turn around one axis; Taylor's vortices.
 
-It is periodic along the axis, or between end plates, which make vortices of their own.
-
-The flow does not change around the axis. It starts at rest, or as the laminar flow of cylinders that have always
-turned, A r + B/r around the axis; ``disturbance`` adds vortices, one pair of them in the length, whose radial velocity
-is at most that part of the speed of the fastest wall. Where the Reynolds number is above the critical one of their
-wavenumber they grow, exponentially at first, until they carry a part of the torque (G. I. Taylor, Phil. Trans. R. Soc.
-A 223 (1923) 289-343).
+The flow is axisymmetric. It is periodic along the axis, or between end plates, which make vortices of their own. It
+starts at rest, or as the laminar flow A r + B/r around the axis of cylinders that have always turned. ``disturbance``
+adds one pair of vortices in the length; it is their largest radial velocity over the speed of the fastest wall. Above
+the critical Reynolds number of their wavenumber the vortices grow, exponentially at first, until they carry a part of
+the torque (G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -23,17 +21,18 @@ from tisph.geometry.motion import STILL
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._initial import RestInitial, still_problem
-from tisph.scenes._views import TimeSeries
+from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import turning_of
+from tisph.snapshot import Snapshot
 
 RECENT = 0.1
-"""Part of the time so far over which a growth rate is taken."""
+"""Last fraction of the elapsed time, over which the growth rate is computed."""
 
 
 class Geometry(annulus.Radii):
     """Radii of the cylinders, and period along the axis, or distance of the ``end_plates`` [length].
 
-    ``end_plates``: none where the flow is periodic, or plates at rest, or that turn with either cylinder.
+    ``end_plates``: none in periodic flow, or plates at rest, or plates that turn with either cylinder.
     """
 
     length: Positive
@@ -82,7 +81,7 @@ class Config(_axisymmetric.Config):
         return self.geometry.outer_radius
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         yield from super().problems()
         walls = {"inner": self.walls.inner, "outer": self.walls.outer}
         if not any(wall.speed or wall.amplitude or wall.angular_velocities for wall in walls.values()):
@@ -108,13 +107,13 @@ class Scene(AxisymmetricScene):
     disturbance: float
 
     @property
-    def flow_quantities(self):
-        """Torques, but where plates meet cylinders, at which they have no limit, and largest radial velocity."""
+    def flow_quantities(self) -> tuple[str, ...]:
+        """Torques and largest radial velocity; no torques with end plates, where torques do not converge."""
         return (*("torque_inner", "torque_outer", "torque_ratio") * self.periodic[0], "radial_velocity")
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Scene":
+        """Return the scene that a validated config describes."""
         radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
         spins, gap = _spins(config), radii[1] - radii[0]
         plates = Line((0.0, radii[1]), (0.0, -1.0), gap), Line((length, radii[0]), (0.0, 1.0), gap)
@@ -135,22 +134,22 @@ class Scene(AxisymmetricScene):
         )
 
     @property
-    def laminar(self):
-        """A and B of the steady laminar flow A r + B/r of the present angular velocities."""
+    def laminar(self) -> tuple[float, float]:
+        """A and B of the steady laminar flow A r + B/r with the angular velocities at the start."""
         inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies[:2])
         return coefficients((self.inner_radius, self.outer_radius), (inner, outer))
 
     @property
-    def laminar_torque(self):
-        """Torque [mass length^2/time^2] of the steady laminar flow on the outer cylinder, of a Newtonian fluid."""
+    def laminar_torque(self) -> float:
+        """Torque [mass length^2/time^2] of the steady laminar flow of a Newtonian fluid on the outer cylinder."""
         return 4.0 * np.pi * self.dynamic_viscosity * self.laminar[1] * self.length
 
-    def thinnest_layer(self, t):
-        """See ``Scene.thinnest_layer``: that at end plates."""
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: the layer at end plates."""
         return super().thinnest_layer(t) if self.periodic[0] else layer_at_plates(self)
 
-    def initial(self, x, y):
-        """Rest or laminar flow, and vortices with u_r = a(y) cos kx, without divergence, which vanish at the walls."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return rest or laminar flow plus vortices with u_r = a(y) cos kx, div u = 0, and u = 0 at the walls."""
         fields = super().initial(x, y)
         gap, inner, outer = self.reference_length, y - self.inner_radius, self.outer_radius - y
         shape, slope = 16.0 * (inner * outer) ** 2, 32.0 * inner * outer * (outer - inner)
@@ -161,26 +160,26 @@ class Scene(AxisymmetricScene):
             fields["w"] = self.laminar[0] * y + self.laminar[1] / y
         return fields
 
-    def diagnostics(self, snapshot, series):
-        """Torques and forces on the cylinders, kinetic energies, and how vortices grow.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return torques and forces on the cylinders, kinetic energies, and the growth rate of vortices.
 
-        ``torque_inner``, ``torque_outer``: of the fluid on a cylinder of one period; ``torque_ratio``: that on the
-        inner one over that of steady laminar flow, None where the fluid is not Newtonian, or between end plates;
-        ``radial_velocity``: largest, over the speed of the fastest wall; ``growth_rate``: of the radial velocity, from
-        its mean square over the last tenth of the time so far [1/time], None where it is 0.
+        ``torque_inner``, ``torque_outer``: torque of the fluid on one period of a cylinder. ``torque_ratio``: torque on
+        the inner cylinder over the torque of steady laminar flow; None with end plates or a non-Newtonian fluid.
+        ``radial_velocity``: the largest one, over the speed of the fastest wall. ``growth_rate`` [1/time]: of the
+        radial velocity, from its mean square over the last tenth of the elapsed time; None where that is 0.
         """
-        loads = _axisymmetric.loads(self, snapshot)
+        loads = self.loads(snapshot)
         newtonian = self.rheology is None and self.periodic[0] and self.laminar_torque
         return {
             **loads,
             "torque_ratio": -loads["torque_inner"] / self.laminar_torque if newtonian else None,
             "radial_velocity": np.max(np.abs(snapshot.v)) / self.reference_velocity,
             "growth_rate": self._growth_rate(snapshot.t, series),
-            **dict(zip(_axisymmetric.ENERGIES, _axisymmetric.kinetic_energies(snapshot), strict=True)),
-            **_axisymmetric.spread(self, snapshot),
+            **dict(zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True)),
+            **self.spread(snapshot),
         }
 
-    def _growth_rate(self, t, series):
+    def _growth_rate(self, t: float, series: Sequence) -> float | None:
         if len(series) < 3:
             return None
         times, values = series[2]
@@ -190,19 +189,19 @@ class Scene(AxisymmetricScene):
             return None
         return 0.5 * float(np.polyfit(times[recent], np.log(energy), 1)[0])
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         ratio, wave = self.inner_radius / self.outer_radius, 2.0 * np.pi * self.reference_length / self.length
-        turning = (("radius ratio", f"{ratio:.6g}"), ("axial wavenumber", f"{wave:.6g}  (2 pi H / length)"))
-        return [*super().parameters(), *turning]
+        more = (("radius ratio", f"{ratio:.6g}"), ("axial wavenumber", f"{wave:.6g}  (2 pi H / length)"))
+        return [*super().parameters(), *more]
 
-    def profiles(self):
-        """Velocities around the axis and along radii where the radial velocity of the disturbance is largest."""
-        line = _axisymmetric.across(self, 0.0 if self.periodic[0] else 0.5 * self.length)
-        return [_axisymmetric.velocity(self, name, line) for name in ("w", "v")]
+    def profiles(self) -> list[Profile]:
+        """Return velocities around the axis and along radii where the disturbance's radial velocity is largest."""
+        line = self.radial_line(0.0 if self.periodic[0] else 0.5 * self.length)
+        return [self.radial_profile(name, line) for name in ("w", "v")]
 
-    def time_series(self):
-        """Torques on the cylinders, and kinetic energies."""
+    def time_series(self) -> TimeSeries:
+        """Return torques on the cylinders, and kinetic energies."""
         torque, energy = abs(self.laminar_torque) or 1.0, 0.5 * self.reference_velocity**2
         newtonian, sign = self.rheology is None and self.periodic[0], -self.laminar_torque
         return TimeSeries(
@@ -212,23 +211,20 @@ class Scene(AxisymmetricScene):
             scale=torque,
             columns=list(COLUMNS),
             labels=[(name, None) for name in ("inner cylinder", "outer cylinder", "axial", "radial", "azimuthal")],
-            measure=self._followed,
+            measure=lambda snapshot: np.array([*snapshot.bodies.torque[:2], *self.kinetic_energies(snapshot)]),
             sizes=[torque, torque, energy, energy, energy],
             panels=[*2 * [("torque", "moment")], *2 * [("energy of the vortices", "energy")], ("energy", "energy")],
             levels=[sign, -sign, *3 * [np.nan]] if newtonian else (),
             level_name="steady laminar flow",
         )
 
-    def _followed(self, snapshot):
-        return np.array([*snapshot.bodies.torque[:2], *_axisymmetric.kinetic_energies(snapshot)])
-
-    def movie_series(self):
-        """Torques on the cylinders."""
+    def movie_series(self) -> TimeSeries:
+        """Return the torques on the cylinders."""
         return self.time_series().only("torque", "torque", "moment")
 
 
-def _spins(config):
-    """Motions around the axis of cylinders and end plates by name."""
+def _spins(config: Any) -> dict[str, Any]:
+    """Return the motions around the axis of cylinders and end plates by name."""
     found = {"inner": turning_of(config.walls.inner), "outer": turning_of(config.walls.outer)}
     if config.periodic[0]:
         return found

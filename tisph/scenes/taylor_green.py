@@ -1,12 +1,13 @@
-"""Taylor-Green vortices in a doubly periodic box: fluid that turns, and that viscosity alone brings to rest.
+"""Taylor-Green vortices in a doubly periodic box: a periodic array of vortices that decay by viscosity.
 
 The box holds n x m periods; particles start at cell centres, (i + 1/2) spacing, or displaced at random, with the exact
 velocity. The fluid is a Newtonian one. See ``tisph/exact/taylor_green.py`` for the solution.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -15,9 +16,17 @@ from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
-from tisph.scenes import _two_dimensional
 from tisph.scenes._scene import Scene as AnyScene
-from tisph.scenes._views import TimeSeries
+from tisph.scenes._views import (
+    Profile,
+    TimeSeries,
+    centre_line,
+    planar_diagnostics,
+    pressure_profile,
+    velocity_profile,
+    vorticity_profile,
+)
+from tisph.snapshot import Snapshot
 
 Cells = Annotated[int, Field(ge=1, le=1000)]
 
@@ -59,10 +68,10 @@ class Config(schema.Config):
     @property
     def extent(self) -> tuple[float, float]:
         """Width and height of all periods."""
-        return tuple(number * self.geometry.length for number in self.geometry.cells)
+        return self.geometry.cells[0] * self.geometry.length, self.geometry.cells[1] * self.geometry.length
 
     def problems(self) -> Iterator[Problem]:
-        """What the scene has against the config."""
+        """Yield the errors that the scene finds in the config."""
         if self.fluid.rheology.type != "newtonian":
             text = f"must be newtonian: of {self.fluid.rheology.type} the decay of these vortices is not known"
             yield "fluid.rheology.type", f"{text}; shear_layer has fluids with polymer in a periodic box"
@@ -70,7 +79,7 @@ class Config(schema.Config):
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(AnyScene):
-    """The vortices; every number in the config's units. ``speed`` is the largest one at t = 0."""
+    """The vortices; all quantities in the config's units. ``speed``: largest speed at t = 0."""
 
     length: float
     cells: tuple[int, int]
@@ -80,8 +89,8 @@ class Scene(AnyScene):
     flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
-    def from_config(cls, config):
-        """The scene that a validated config describes."""
+    def from_config(cls, config: Any) -> "Scene":
+        """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),
             length=config.geometry.length,
@@ -92,47 +101,47 @@ class Scene(AnyScene):
         )
 
     @property
-    def extent(self):
+    def extent(self) -> tuple[float, float]:
         """Width and height of all periods."""
-        return tuple(number * self.length for number in self.cells)
+        return self.cells[0] * self.length, self.cells[1] * self.length
 
     @property
-    def reference_length(self):
+    def reference_length(self) -> float:
         """The period."""
         return self.length
 
     @property
-    def velocity_scale(self):
+    def velocity_scale(self) -> float:
         """The largest speed at t = 0."""
         return self.speed
 
-    def exact(self, field, x, y, t):
-        """Exact value of one of ``fields``; of zero mean for the pressure."""
+    def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact value of one of ``fields``; the pressure has zero mean."""
         if field == "pressure":
             return taylor_green.pressure(x, y, t, density=self.density, **self._flow)
         return taylor_green.velocity(x, y, t, **self._flow)["uv".index(field)]
 
-    def exact_vorticity(self, x, y, t):
-        """Exact vorticity dv/dx - du/dy (1/time)."""
+    def exact_vorticity(self, x: Any, y: Any, t: Any) -> np.ndarray:
+        """Return the exact vorticity dv/dx - du/dy (1/time)."""
         return taylor_green.vorticity(x, y, t, **self._flow)
 
-    def initial(self, x, y):
-        """The exact velocity when the run starts."""
+    def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the exact velocity when the run starts."""
         u, v = taylor_green.velocity(x, y, self.start_time, **self._flow)
         return {"u": u, "v": v}
 
-    def diagnostics(self, snapshot, series):
-        """Numbers of a snapshot with its reference.
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return energy, dissipation and momentum of a snapshot and its error of the pressure.
 
-        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), p - p_exact less its mean; ``kinetic_energy`` and
-        ``dissipation`` per mass, means over the box, each also ``_exact``; ``momentum_drift``: size of the mean of u -
-        u_exact over U; and those of ``_two_dimensional.diagnostics``.
+        ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), the mean of p - p_exact being subtracted;
+        ``kinetic_energy`` and ``dissipation`` per mass, means over the box, each also ``_exact``; ``momentum_drift``:
+        magnitude of the mean of u - u_exact, over U; and ``planar_diagnostics``.
 
-        Mean energy and dissipation are the exact ones times what the particles have over what the exact flow has at
-        their places: the scatter of a mean over places at random is not an error of the flow.
+        Energy and dissipation are the exact means times the ratio of two means over the particles, of the computed and
+        of the exact flow at the same places: the scatter of a mean over random places is not an error of the flow.
         """
         t, flow = snapshot.t, self._flow
-        square, others = _two_dimensional.diagnostics(self, snapshot)
+        square, others = planar_diagnostics(self, snapshot)
         values, exact = velocities(self, snapshot)
         exact_square = np.mean(np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
         dissipation = taylor_green.dissipation(t, **flow)
@@ -146,12 +155,12 @@ class Scene(AnyScene):
             **others,
         }
 
-    def description(self):
-        """Period and numbers of periods."""
+    def description(self) -> dict[str, Any]:
+        """Return period and numbers of periods."""
         return {"length": self.length, "cells": list(self.cells)}
 
-    def parameters(self):
-        """Numbers of the flow."""
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
         length, time = self.units.length, self.units.time
         rate = taylor_green.dissipation(0.0, **self._flow) / taylor_green.kinetic_energy(0.0, **self._flow)
         width, height = self.extent
@@ -163,17 +172,22 @@ class Scene(AnyScene):
             ("velocities decay in", f"{2 / rate:.6g} {time}  (by a factor e: 1 / (2 nu k^2))"),
         ]
 
-    def profiles(self):
-        """Velocities along the centre lines and pressure along the vertical one, with their errors."""
-        return [self._velocity("u", "y"), self._velocity("v", "x"), self._pressure()]
+    def profiles(self) -> list[Profile]:
+        """Return velocities along the centre lines and pressure along the vertical one, with their errors."""
+        scale = self.reference_velocity, self.velocity_name("largest speed U at the start")
+        shown = [
+            velocity_profile(self, field, along, exact=partial(self.exact, field), scale=scale)
+            for field, along in (("u", "y"), ("v", "x"))
+        ]
+        return [*shown, pressure_profile(self, centre_line(self, "y"))]
 
-    def time_series(self):
-        """The kinetic energy."""
+    def time_series(self) -> TimeSeries:
+        """Return the kinetic energy."""
         return TimeSeries(
             content="mean kinetic energy per mass over time t",
             name="kinetic energy per mass",
             unit="energy",
-            scale=taylor_green.kinetic_energy(0.0, **self._flow),
+            scale=float(taylor_green.kinetic_energy(0.0, **self._flow)),
             columns=["kinetic_energy"],
             labels=[("mean over the box", None)],
             exact_columns=["kinetic_energy_exact"],
@@ -181,23 +195,16 @@ class Scene(AnyScene):
             exact=lambda times: taylor_green.kinetic_energy(times, **self._flow)[:, None],
         )
 
-    def movie_profiles(self):
-        """Also vorticity and pressure along the vertical centre line."""
-        vorticity = _two_dimensional.vorticity_profile(self, _two_dimensional.centre_line(self, "y"))
-        return {**super().movie_profiles(), "vorticity": vorticity, "pressure": self._pressure()}
+    def movie_profiles(self) -> dict[str, Profile]:
+        """Return the velocities, and vorticity and pressure along the vertical centre line."""
+        line = centre_line(self, "y")
+        found = {"vorticity": vorticity_profile(self, line), "pressure": pressure_profile(self, line)}
+        return super().movie_profiles() | found
 
     @property
-    def _flow(self):
+    def _flow(self) -> dict[str, float]:
         return {"length": self.length, "speed": self.speed, "kinematic_viscosity": self.kinematic_viscosity}
 
-    def _kinetic_energy(self, snapshot):
+    def _kinetic_energy(self, snapshot: Snapshot) -> float:
         values, exact = velocities(self, snapshot)
         return taylor_green.kinetic_energy(snapshot.t, **self._flow) * np.sum(values**2) / np.sum(exact**2)
-
-    def _velocity(self, field, along):
-        exact = lambda x, y, t: self.exact(field, x, y, t)  # noqa: E731
-        scale = self.reference_velocity, self.velocity_name("largest speed U at the start")
-        return _two_dimensional.velocity_profile(self, field, along, exact=exact, scale=scale)
-
-    def _pressure(self):
-        return _two_dimensional.pressure_profile(self, _two_dimensional.centre_line(self, "y"))

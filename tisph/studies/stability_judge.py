@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
-from tisph.scenes._suspension_stress import BODIES, WALLS
+from tisph.scenes._cell import STRESS_BY_BODIES, STRESS_ON_WALLS
 from tisph.studies import stability
 from tisph.studies.stability import BOTH_STRESSES, EXACT, FINER, FINISHED, FLAGGED, REFUSED, STABLE, Cell, Plan
 
@@ -109,7 +109,7 @@ def _numbers(cell, sample, summary):
     elif cell.measure == EXACT:
         error = _off_exact(cell, sample)
     elif cell.measure == BOTH_STRESSES:
-        error = abs(sample[BODIES] / sample[WALLS] - 1.0)
+        error = abs(sample[STRESS_BY_BODIES] / sample[STRESS_ON_WALLS] - 1.0)
     found = {"error": error, "density_variation": sample["density_variation"]}
     if not cell.two_dimensional:
         speed = summary["numbers"]["reference_velocity"]

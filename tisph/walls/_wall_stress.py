@@ -66,7 +66,8 @@ class WallStress:
         step = STEP * channel.gap
         inside = step * np.arange(3)
         heights = np.concatenate([inside, channel.gap - inside])
-        xx, xy = (values.reshape(2, 3) / channel.density for values in channel.initial_polymer_stress(heights))
+        stress = channel.exact_polymer_stress(heights, channel.start_time)[:2]
+        xx, xy = (values.reshape(2, 3) / channel.density for values in stress)
         inward = np.array([1.0, -1.0]) / (2 * step)
         slopes = [inward * (one @ [-3.0, 4.0, -1.0]) for one in (xx, xy)]
         for fields, (first, second) in (

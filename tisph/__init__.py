@@ -23,7 +23,7 @@ from tisph.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from tisph.interface import check, run
-    from tisph.observers.schedule import every
+    from tisph.observers.protocol import every
     from tisph.results import Results
     from tisph.results import open_run as open
     from tisph.simulation.simulation import Simulation
@@ -36,7 +36,7 @@ _PLACES = {
     "open": ("tisph.results", "open_run"),
     "Results": ("tisph.results", "Results"),
     "Simulation": ("tisph.simulation.simulation", "Simulation"),
-    "every": ("tisph.observers.schedule", "every"),
+    "every": ("tisph.observers.protocol", "every"),
 }
 """Where the public names are, which are imported when they are first used: a command line pays for what it uses."""
 

@@ -13,8 +13,7 @@ import tisph
 from tisph import cli, scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.observers._storage import Description, write_snapshot
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Description, Samples, write_snapshot
 from tisph.observers.vtk import Vtk
 from tisph.results.export import FORMATS, export
 from tisph.scenes.channel import Channel

@@ -14,8 +14,8 @@ from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
 from tisph.observers import history as histories
-from tisph.observers._storage import Description
 from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
+from tisph.observers.samples import Description
 from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
 from tisph.report.movie import _overlays

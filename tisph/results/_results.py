@@ -1,20 +1,122 @@
-"""A run's folder as an object: samples, history, bodies, movie and summary, read when they are asked for."""
+"""The one reader of a run's folder: samples, history, bodies, movie and summary, each read when it is first used.
+
+The keys of ``summary.json`` mean the same as in ``docs/reference/files.md``.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
 
 import h5py
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.folder import Folder
-from tisph.observers._storage import readable
-from tisph.observers.history import read_rows
-from tisph.results._summary import Summary, typed
+from tisph.folder import Folder, readable
+from tisph.observers.history import read_history, read_resolved, read_rows
+from tisph.observers.samples import FIELDS, FRAME_FIELDS, read_snapshots
+from tisph.snapshot import Snapshot
+
+Value = float | int | bool | str | None
+"""None where there is no such number, such as an error without a reference."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class SampleErrors:
+    """One sample at time ``t``; ``sample["NAME"]`` is any number of it, also those that only its scene has.
+
+    ``l2`` is relative, ``rms`` and ``linf`` are over the reference velocity, ``t_star`` is ``t`` over the time scale.
+    ``measures`` has all numbers by name, in the units of the config.
+    """
+
+    t: float
+    t_star: float
+    step: int
+    resolved: bool
+    reason: str | None
+    l2: float | None
+    rms: float | None
+    linf: float | None
+    measures: Mapping[str, Value] = field(repr=False)
+
+    def __getitem__(self, name: str) -> Value:
+        return self.measures[name]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Steps, seconds of the clock (``_s``), and the largest memory [MB] of a run."""
+
+    steps: int | None
+    wall_total_s: float | None
+    wall_import_s: float | None
+    wall_compile_s: float | None
+    wall_loop_s: float | None
+    wall_output_s: float | None
+    particle_steps_per_s: float | None
+    peak_memory_mb: float | None
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Conditions of the numbers: versions by package, machine, threads, precision, seed, config, commit."""
+
+    versions: Mapping[str, str]
+    platform: str | None
+    processor: str | None
+    threads: int | None
+    precision: str | None
+    seed: int | None
+    config_hash: str | None
+    commit: str | None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Summary of a run; a run that was killed, or still runs, has the status ``failed`` and no samples here.
+
+    ``message`` is the error, ``numbers`` are numbers of the whole run by name, ``momentum`` is the balance along
+    x [mass velocity per length out of the plane], ``error_estimate`` is there after ``--estimate-error``.
+    """
+
+    name: str
+    status: Literal["done", "diverged", "interrupted", "failed"]
+    message: str | None
+    samples: tuple[SampleErrors, ...]
+    numbers: Mapping[str, Value]
+    momentum: Mapping[str, float | None]
+    cost: Cost
+    provenance: Provenance
+    error_estimate: Mapping[str, Any] | None
+
+
+def typed(data: Mapping[str, Any], name: str) -> Summary:
+    """Return the contents of a ``summary.json``, of the run ``name`` where it does not say so.
+
+    ValueError where it is none.
+    """
+    if not isinstance(data, dict) or "status" not in data or any("t" not in each for each in data.get("samples", [{}])):
+        raise ValueError("it is no summary of a run")
+    return Summary(
+        name=data.get("name", name),
+        status=data["status"],
+        message=data.get("message"),
+        samples=tuple(_known(SampleErrors, {**sample, "measures": sample}) for sample in data["samples"]),
+        numbers=data.get("numbers", {}),
+        momentum=data.get("momentum", {}),
+        cost=_known(Cost, data.get("cost", {})),
+        provenance=_known(Provenance, {"versions": {}, **data.get("provenance", {})}),
+        error_estimate=data.get("error_estimate"),
+    )
+
+
+def _known(kind: type[T], data: Mapping[str, Any]) -> T:
+    return kind(**{each.name: data.get(each.name) for each in fields(kind)})  # type: ignore[arg-type]
+
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +161,7 @@ class Sample(Arrays):
     """The fluid particles at time ``t``, after ``step`` steps: arrays of shape (particles,) by name.
 
     ``x``, ``y``, ``u``, ``v``, ``density``, ``pressure``, with polymer ``stress_xx``, ``stress_xy``, ``stress_yy``, and
-    what the reference says there, ``u_exact`` and so on; of bodies ``bodies/centre`` and so on, of shape (bodies, ...).
+    the reference there, ``u_exact`` and so on; of bodies ``bodies/centre`` and so on, of shape (bodies, ...).
     """
 
     def __init__(self, path: Path, group: str, t: float, step: int):
@@ -144,7 +246,7 @@ class Trajectories(Arrays):
 
     @property
     def shapes(self) -> list[str]:
-        """What each body is, such as ``circle``."""
+        """Shape of each body, such as ``circle``."""
         return [str(name) for name in self._attribute("shapes")]
 
     @property
@@ -158,7 +260,7 @@ class Trajectories(Arrays):
 
 
 class Results:
-    """What a run left in ``folder``; read when it is asked for. All numbers are in the units of the config."""
+    """The results of a run in ``folder``, read when they are used. All numbers are in the units of the config."""
 
     def __init__(self, folder: "str | PathLike[str]"):
         self.folder = Path(folder)
@@ -186,7 +288,7 @@ class Results:
 
     @cached_property
     def history(self) -> History:
-        """What the scene follows in time, a NumPy record array (times,); ``to_pandas()`` where pandas is there.
+        """Quantities followed in time, a NumPy record array (times,); ``to_pandas()`` where pandas is installed.
 
         No rows where there is no such file, or a run was killed before its first one.
         """
@@ -197,7 +299,7 @@ class Results:
 
     @cached_property
     def bodies(self) -> Trajectories | None:
-        """What the bodies in the fluid do over time: ``bodies["centre"]``; None where the flow carries none."""
+        """The bodies in the fluid over time: ``bodies["centre"]``; None where the flow carries none."""
         return Trajectories(self._files.bodies) if self._files.bodies.is_file() else None
 
     @cached_property
@@ -205,6 +307,18 @@ class Results:
         """The movie (``.path``; a notebook plays it), None where the run made none."""
 
         return Movie(self._files.movie, self.summary.name) if self._files.movie.is_file() else None
+
+    def snapshots(self, frames: bool = False) -> Iterator[Snapshot]:
+        """Yield the samples with their references, or the stored ``frames``; none where there is no file."""
+        path = self._files.frames if frames else self._files.samples
+        if path.is_file():
+            yield from read_snapshots(path, FRAME_FIELDS if frames else FIELDS)
+
+    def followed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Return times, followed numbers (times, numbers), and whether resolved (times,) if the file says so."""
+        if not self._files.history.is_file():
+            return np.empty(0), np.empty((0, 0)), None
+        return *read_history(self._files.history), read_resolved(self._files.history)
 
     def exact(self, field: str, x: "ArrayLike", y: "ArrayLike", t: "ArrayLike") -> np.ndarray:
         """Return the reference for ``field`` (``u``, ``v``, ...) at places and times, which broadcast.
@@ -220,23 +334,20 @@ class Results:
 
     def profile_figure(self) -> "Figure":
         """Return profiles at the samples, with the exact curves and the errors, as a matplotlib figure."""
-        from tisph.observers.samples import read_samples
         from tisph.report.plots import profile_figure
 
-        snapshots = read_samples(self._files.samples) if self._files.samples.is_file() else []
+        snapshots = list(self.snapshots())
         if not snapshots:
             raise ConfigError(f"{self.folder}: the run has no sample, so there is no profile")
         return profile_figure(self._scene, snapshots)
 
     def history_figure(self) -> "Figure":
-        """Return what is followed in time, with the exact curves, as a matplotlib figure."""
-        from tisph.observers.history import read_history, read_resolved
+        """Return the quantities followed in time, with the exact curves, as a matplotlib figure."""
         from tisph.report.plots import history_figure
 
-        times, values = read_history(self._files.history) if self._files.history.is_file() else ([], [])
+        times, values, resolved = self.followed()
         if not len(times):
             raise ConfigError(f"{self.folder}: the run has no history")
-        resolved = read_resolved(self._files.history)
         return history_figure(self._scene, self.config.time_series, times, values, resolved)
 
     def _repr_html_(self) -> str:

@@ -1,7 +1,7 @@
 """Keys of every body in a config: place, angle and motion; and the ``Body`` that they define."""
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -64,6 +64,11 @@ class Motion(Model):
         return RigidMotion(*(WallMotion(*size, self.angular_frequency) for size in sizes))
 
 
+if TYPE_CHECKING:
+    BodyMotion = Motion | Literal["fixed", "free"]
+else:
+    BodyMotion = either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free")
+
 OFF_CENTRE = 1e-4
 """Largest distance of a free body's centre of mass from its centre, over the square root of its area."""
 
@@ -87,7 +92,7 @@ class Placed(Model):
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
-    motion: either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free") = "fixed"
+    motion: BodyMotion = "fixed"
     density: NonNegative | None = None
     mass: NonNegative | None = None
     moment_of_inertia: NonNegative | None = None
@@ -129,10 +134,11 @@ class Placed(Model):
         For a free body ``surroundings`` have the ``density`` of the fluid and the ``acceleration`` and ``gravity`` (2,)
         that drive it.
         """
+        motion: FreeMotion | RigidMotion = REST
         if self.motion == "free":
             motion = FreeMotion(self._inertia(surroundings))
-        else:
-            motion = REST if self.motion == "fixed" else self.motion.rigid()
+        elif self.motion != "fixed":
+            motion = self.motion.rigid()
         return Body(self.shape(), self.centre, self.angle, motion, periods)
 
     def _inertia(self, surroundings: Any) -> Inertia:
@@ -151,5 +157,5 @@ class Placed(Model):
         force += (mass - fluid * shape.area) * np.array(surroundings.gravity)
         velocity = (*(self.velocity or (0.0, 0.0)), self.angular_velocity or 0.0)
         load = (*force.tolist(), self.torque or 0.0)
-        held = tuple(name in self.hold for name in FREEDOMS)
-        return Inertia((mass, mass, moment), load, velocity, held)
+        x, y, angle = (name in self.hold for name in FREEDOMS)
+        return Inertia((mass, mass, moment), load, velocity, (x, y, angle))

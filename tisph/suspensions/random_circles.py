@@ -5,7 +5,7 @@ motion.
 """
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
@@ -25,8 +25,12 @@ HALVINGS = 6
 PLACE = ("type", "centre", "angle", "radius")
 
 _Several = Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=MOST_BODIES)]
+if TYPE_CHECKING:
+    Radii = float | tuple[float, ...]
+else:
+    Radii = either(Positive, _Several, lambda value: isinstance(value, list | tuple), "a list of radii")
 _of_each: Any = {name: (field.annotation, field) for name, field in circle.Parameters.model_fields.items()}
-Shared = create_model("Shared", __base__=Model, **{name: _of_each[name] for name in _of_each if name not in PLACE})
+Shared: Any = create_model("Shared", __base__=Model, **{name: _of_each[name] for name in _of_each if name not in PLACE})
 
 
 class Parameters(Shared):
@@ -40,7 +44,7 @@ class Parameters(Shared):
     shaped_by: ClassVar[str] = circle.Parameters.shaped_by
 
     type: Literal["random_circles"] = "random_circles"
-    radius: either(Positive, _Several, lambda value: isinstance(value, list | tuple), "a list of radii")
+    radius: Radii
     shares: _Several | None = None
     fraction: Annotated[float, Field(gt=0, lt=1)]
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
@@ -93,7 +97,7 @@ class Parameters(Shared):
         return [radius for radius, count in zip(self.radii, counts, strict=True) for _ in range(count)]
 
     def _centres(self, counts: list[int], region: Region) -> np.ndarray | None:
-        return random_centres(self._repeated(counts), region, self.least_gap, self.seed)
+        return random_centres(self._repeated(counts), region, self.least_gap or 0.0, self.seed)
 
     def _miscounted(self, counts: list[int], region: Region) -> str:
         """Return the error in the numbers of circles, empty where there is none."""

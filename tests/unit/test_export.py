@@ -95,7 +95,7 @@ def test_what_a_run_writes_as_it_goes_is_what_is_exported_then(run, tmp_path, re
     missing = [t for t in TIMES if t > (resumed_at or 0.0)]
     assert path.exists() == (len(missing) < len(TIMES))  # there is no file without a step
     for t in missing:
-        assert live.schedule.due(t)
+        assert live.schedule.take(t)
         snapshot = make_snapshot(channel, t, slip=2e-3)
         samples.observe(snapshot)
         live.observe(snapshot)

@@ -277,7 +277,7 @@ def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: An
 
 
 def _by_velocity(config: Any, channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
-    """Return the reading for a ``wall`` with a given velocity; ``table`` is that of an upper wall."""
+    """Return the reading for a ``wall`` with a given velocity; ``table`` belongs to an upper wall."""
     if isinstance(wall, Schedule):
         return read_schedule(config, channel, fluid, wall, table)
     return _oscillation(channel, fluid, wall, table) if wall.oscillates else _start_up(channel, fluid, wall, table)

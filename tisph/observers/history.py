@@ -47,7 +47,7 @@ class History(StateObserver):
         self.scene = scene
         self.time_series, self.extra_series = series, scene.extra_series
         self.more: list[str] = [] if self.extra_series is None else list(self.extra_series.columns)
-        self.schedule = Times(even_times(scene.start_time, end, RECORDS))
+        self.schedule = Times(even_times(scene.start_time, end, RECORDS), resumed_at)
         self.probes = None if self.extra_series else series.probes
         """Interpolation from the particles around some places; None where a line needs the whole state."""
         kept: list[tuple[float, np.ndarray, bool]] = []
@@ -57,7 +57,6 @@ class History(StateObserver):
             if flags is None:
                 flags = np.array([self._resolved(scene, t) for t in times], dtype=bool)
             kept = [record for record in zip(times, values, flags, strict=True) if record[0] <= resumed_at]
-            self.schedule.mark(resumed_at)
         names = ",".join(["t", *series.columns, RESOLVED, *self.more])
         self.header = ("" if about is None else about.comment(series.content)) + names
         with replaced(path) as new:
@@ -199,11 +198,10 @@ class Trajectories(StateObserver):
         self.chosen = [k for k, shape in enumerate(shapes) if shape.area and shape.fluid_side == "outside"]
         self.shapes = [type(shapes[index]).__name__.lower() for index in self.chosen]
         self.free = [scene.bodies[index].free for index in self.chosen]
-        self.schedule = Times(even_times(scene.start_time, end, RECORDS))
+        self.schedule = Times(even_times(scene.start_time, end, RECORDS), resumed_at)
         self.times: list[float] = []
         self.records: dict[str, list[np.ndarray]] = {name: [] for name in BODY_FIELDS}
         if resumed_at is not None:
-            self.schedule.mark(resumed_at)
             with readable(path), h5py.File(path, "r") as file:
                 times = file["t"][...]
                 self.times = times[times <= resumed_at].tolist()

@@ -46,19 +46,13 @@ class LastStep(Protocol):
 
 
 class Schedule(Protocol):
-    """When an observer is called: ``Times``, ``EveryTime`` or ``EverySteps``. Times are on the run's clock."""
+    """When one observer is called: ``Times``, ``EveryTime`` or ``EverySteps``. Times are on the run's clock."""
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Start to observe at ``time`` and ``steps`` a run whose clock starts at ``start``."""
 
-    def due(self, time: float, steps: int) -> bool:
-        """Return whether something is due after ``steps`` steps, at ``time``."""
-
-    def pending(self, time: float, steps: int) -> list[float]:
-        """Return the times that are due."""
-
-    def mark(self, time: float, steps: int) -> None:
-        """Count as done everything that is due."""
+    def take(self, time: float, steps: int) -> list[float] | None:
+        """Return the times due after ``steps`` steps, at ``time``, and count them as done; None if nothing is due."""
 
 
 class Observer(Protocol):
@@ -107,26 +101,21 @@ ROUND_OFF = 1e-9
 
 
 class Times:
-    """Ascending ``times``; each is due at the end of the first step that reaches it."""
+    """Ascending ``times``, later than ``after`` if it is given; due at the end of the first step that reaches each."""
 
-    def __init__(self, times: Iterable[float]):
+    def __init__(self, times: Iterable[float], after: float | None = None):
         self.times = list(times)
-        self.passed = 0
+        self.passed = 0 if after is None else bisect_right(self.times, after)
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Do nothing: the times are given."""
 
-    def due(self, time: float, _steps: int = 0) -> bool:
-        """Return whether a time not yet marked has been reached."""
-        return self.passed < len(self.times) and time >= self.times[self.passed]
-
-    def pending(self, time: float, _steps: int = 0) -> list[float]:
-        """Return the times up to ``time`` that are not yet marked."""
-        return self.times[self.passed : bisect_right(self.times, time)]
-
-    def mark(self, time: float, _steps: int = 0) -> None:
-        """Count all times up to ``time`` as done."""
-        self.passed = bisect_right(self.times, time)
+    def take(self, time: float, _steps: int = 0) -> list[float] | None:
+        """Return the times up to ``time`` that are not done yet; None if there are none."""
+        if self.passed == len(self.times) or time < self.times[self.passed]:
+            return None
+        first, self.passed = self.passed, bisect_right(self.times, time)
+        return self.times[first : self.passed]
 
 
 class EveryTime:
@@ -138,26 +127,17 @@ class EveryTime:
     def __init__(self, interval: float, from_here: bool = False):
         self.interval = interval
         self.from_here = from_here
-        self.origin = 0.0
-        self.next = 1
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Start counting at the run's start time; multiples up to ``time`` count as done."""
         self.origin = time if self.from_here else start
-        self.mark(time, steps)
-
-    def due(self, time: float, _steps: int = 0) -> bool:
-        """Return whether a multiple not yet marked has been reached."""
-        return self._reached(time) >= self.next
-
-    def pending(self, time: float, _steps: int = 0) -> list[float]:
-        """Return the multiples up to ``time`` that are not yet marked."""
-        multiples = range(self.next, self._reached(time) + 1)
-        return [min(time, self.origin + multiple * self.interval) for multiple in multiples]
-
-    def mark(self, time: float, _steps: int = 0) -> None:
-        """Count all multiples up to ``time`` as done."""
         self.next = self._reached(time) + 1
+
+    def take(self, time: float, _steps: int = 0) -> list[float] | None:
+        """Return the multiples up to ``time`` that are not done yet; None if there are none."""
+        first, self.next = self.next, max(self.next, self._reached(time) + 1)
+        multiples = range(first, self.next)
+        return [min(time, self.origin + multiple * self.interval) for multiple in multiples] or None
 
     def _reached(self, time: float) -> int:
         return math.floor((time - self.origin) / self.interval + ROUND_OFF)
@@ -168,23 +148,17 @@ class EverySteps:
 
     def __init__(self, number: int):
         self.number = number
-        self.next = number
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Count the steps up to ``steps`` as done."""
-        self.mark(time, steps)
-
-    def due(self, _time: float, steps: int) -> bool:
-        """Return whether a step not yet marked has been taken."""
-        return steps >= self.next
-
-    def pending(self, time: float, steps: int) -> list[float]:
-        """Return the end of the last step, ``time``, where that is due."""
-        return [time] if steps >= self.next else []
-
-    def mark(self, _time: float, steps: int) -> None:
-        """Count all steps up to ``steps`` as done."""
         self.next = (steps // self.number + 1) * self.number
+
+    def take(self, time: float, steps: int) -> list[float] | None:
+        """Return the end of the last step, ``time``, where that is due."""
+        if steps < self.next:
+            return None
+        self.next = (steps // self.number + 1) * self.number
+        return [time]
 
 
 def every(*, time: float | None = None, steps: int | None = None) -> Schedule:

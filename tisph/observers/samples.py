@@ -252,10 +252,8 @@ class Frames(StateObserver):
     ):
         self.path = path
         self.movie = movie
-        self.schedule = Times(times)
+        self.schedule = Times(times, resumed_at)
         self.storage = Storage(path, "frame_{:05d}", (*FRAME_FIELDS, *more), np.float32, FRAME_DELAY)
-        if resumed_at is not None:
-            self.schedule.mark(resumed_at)
         self.storage.start(self._drawn_again(resumed_at))
 
     def observe(self, snapshot: Snapshot) -> None:
@@ -311,11 +309,10 @@ class Samples(StateObserver):
         about: Description | None = None,
     ):
         self.scene = scene
-        self.schedule: Times = Times(times)
+        self.schedule: Times = Times(times, resumed_at)
         self.snapshots: list[Snapshot] = []
         if resumed_at is not None:
             self.snapshots = [with_reference(scene, kept) for kept in read_samples(path) if kept.t <= resumed_at]
-            self.schedule.mark(resumed_at)
         described = ({}, {}) if about is None else (about.attributes(CONTENT), about.units)
         self.storage = Storage(path, "sample_{:03d}", about=described)
         self.storage.start(self.snapshots)

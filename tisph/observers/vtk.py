@@ -197,9 +197,7 @@ class Vtk(StateObserver):
 
     def __init__(self, path: Path, samples: Samples, resumed_at: float | None, about: Description):
         self.samples = samples
-        self.schedule = Times(samples.schedule.times)
-        if resumed_at is not None:
-            self.schedule.mark(resumed_at)
+        self.schedule = Times(samples.schedule.times, resumed_at)
         self.files = [_Steps(path, about, append)]
         if has_outlines(about.scene):
             self.files.append(_Steps(beside(path), about, append_bodies))

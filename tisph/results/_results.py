@@ -3,12 +3,12 @@
 The keys of ``summary.json`` mean the same as in ``docs/reference/files.md``.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import h5py
 import numpy as np
@@ -172,32 +172,6 @@ class Sample(Arrays):
         return f"<Sample t={self.t:g}: {', '.join(self)}>"
 
 
-class Samples(Sequence[Sample]):
-    """The samples of a run in the order of time."""
-
-    def __init__(self, path: Path):
-        self._samples: list[Sample] = []
-        if path.is_file():
-            with readable(path), h5py.File(path, "r") as file:
-                groups = sorted(file.values(), key=lambda group: group.attrs["t"])
-                self._samples = [
-                    Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups
-                ]
-
-    @overload
-    def __getitem__(self, index: int) -> Sample: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Sample]: ...
-    def __getitem__(self, index: int | slice) -> Sample | list[Sample]:
-        return self._samples[index]
-
-    def __len__(self) -> int:
-        return len(self._samples)
-
-    def __repr__(self) -> str:
-        return f"<Samples at t = {', '.join(f'{sample.t:g}' for sample in self)}>"
-
-
 class History(np.recarray):
     """A row a time: ``history.t``, and by their names in the file ``history["u(y=0.5)"]`` and so on.
 
@@ -239,24 +213,25 @@ class Trajectories(Arrays):
     def __repr__(self) -> str:
         return f"<Trajectories of {len(self.names)} bodies: {', '.join(self)}>"
 
+    @cached_property
+    def _attributes(self) -> dict[str, Any]:
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return dict(file.attrs)
+
     @property
     def names(self) -> list[str]:
         """Number of each body in the config, as in columns of the history."""
-        return [str(name) for name in self._attribute("names")]
+        return list(map(str, self._attributes["names"]))
 
     @property
     def shapes(self) -> list[str]:
         """Shape of each body, such as ``circle``."""
-        return [str(name) for name in self._attribute("shapes")]
+        return list(map(str, self._attributes["shapes"]))
 
     @property
     def free(self) -> np.ndarray:
         """Whether the flow carries each of the bodies, bool (bodies,)."""
-        return np.asarray(self._attribute("free"), dtype=bool)
-
-    def _attribute(self, name: str) -> np.ndarray:
-        with readable(self._path), h5py.File(self._path, "r") as file:
-            return np.asarray(file.attrs[name])
+        return np.asarray(self._attributes["free"], dtype=bool)
 
 
 class Results:
@@ -282,9 +257,14 @@ class Results:
             return typed(self._files.read_summary(), self.folder.name)
 
     @cached_property
-    def samples(self) -> Samples:
-        """The particles at each sample time: ``samples[-1]["u"]`` is an array (particles,)."""
-        return Samples(self._files.samples)
+    def samples(self) -> list[Sample]:
+        """The particles at each sample time, in the order of time: ``samples[-1]["u"]`` is an array (particles,)."""
+        path = self._files.samples
+        if not path.is_file():
+            return []
+        with readable(path), h5py.File(path, "r") as file:
+            groups = sorted(file.values(), key=lambda group: group.attrs["t"])
+            return [Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups]
 
     @cached_property
     def history(self) -> History:

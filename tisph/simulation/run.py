@@ -70,17 +70,12 @@ class RunProgress(StateObserver):
         """Count the steps from here."""
         self.first_step = steps
 
-    def due(self, now: float, steps: int) -> bool:
-        """Return whether the next check is due."""
-        return now >= self.end or time.perf_counter() - self.looked > LOOK
-
-    def pending(self, now: float, steps: int) -> list[float]:
-        """Return no times: no state is needed."""
-        return []
-
-    def mark(self, now: float, steps: int) -> None:
-        """Store the clock time of this check."""
+    def take(self, now: float, steps: int) -> list[float] | None:
+        """Return no times, as no state is needed, where the next check is due."""
+        if now < self.end and time.perf_counter() - self.looked <= LOOK:
+            return None
         self.looked = time.perf_counter()
+        return []
 
     def tell(self, step: LastStep, times: Sequence[float]) -> None:
         """Show the progress."""

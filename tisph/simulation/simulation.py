@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from os import PathLike
 from pathlib import Path
 from types import new_class
@@ -196,14 +197,14 @@ class Simulation:
         schedule.begin(self.scene.start_time, self.time, self.steps)
         while not self.finished:
             self.step()
-            due = self._open_scheme().output_times(schedule.pending(self.time, self.steps))
-            schedule.mark(self.time, self.steps)
+            due = self._open_scheme().output_times(schedule.take(self.time, self.steps) or [])
             yield from [self._state_at(each) for each in due]
 
     def on(self, schedule: Schedule, function: Callable[[State], Any]) -> None:
         """Call ``function`` with the state whenever ``schedule``, from ``tisph.every``, has a time due."""
-        schedule.begin(self.scene.start_time, self.time, self.steps)
-        self.callbacks.append(Callback(schedule, function, self.scene))
+        own = copy(schedule)  # one schedule may be given for several functions
+        own.begin(self.scene.start_time, self.time, self.steps)
+        self.callbacks.append(Callback(own, function, self.scene))
 
     def save(self, path: "str | PathLike[str]") -> None:
         """Write the whole state into the file ``path``, from which ``restore`` continues bitwise."""
@@ -288,14 +289,14 @@ class Simulation:
         """Call the observers that are due, and give the callbacks their states."""
         scheme = self._open_scheme()
         time_, steps = scheme.time, scheme.steps
-        due = [each for each in (*self.observers, *self.callbacks) if each.schedule.due(time_, steps)]
+        taken = [(each, each.schedule.take(time_, steps)) for each in (*self.observers, *self.callbacks)]
+        due = [(observer, times) for observer, times in taken if times is not None]
         if not due:
             return
         with self.costs.timed("output"):
-            pending = [scheme.output_times(each.schedule.pending(time_, steps)) for each in due]
+            pending = [scheme.output_times(times) for _, times in due]
             step = self._last_step(pending)
-            for observer, times in zip(due, pending, strict=True):
-                observer.schedule.mark(time_, steps)
+            for (observer, _), times in zip(due, pending, strict=True):
                 observer.tell(step, times)
 
     def _call_back(self) -> None:

@@ -1,11 +1,11 @@
 """Shapes of walls: curves with the fluid on one side, in the frame of the body.
 
 Signs, the same for all shapes: a normal points into the fluid; a distance is positive in the fluid; a curvature is
-positive where the centre of curvature lies in the body, so that the body is convex as the fluid sees it: 1/R on a
+positive where the centre of curvature lies in the body, so that the body is convex towards the fluid: 1/R on a
 cylinder in the fluid, -1/R on a cylinder that the fluid is in.
 
 Centroid and polar second moment of the area that a closed wall encloses are integrals along the wall (Green): the
-integral of x over the area is the one of x^2 n_x/2 along its edge, and the integral of r^2 the one of r^2 (r . n)/4,
+integral of x over the area equals the integral of x^2 n_x/2 along its edge; for r^2 the integrand is r^2 (r . n)/4,
 with the normal n outwards. They are computed around the middle of the shape, so that shapes far from the origin lose
 no digits.
 """

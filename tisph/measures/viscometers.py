@@ -268,7 +268,7 @@ def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> 
 
 
 def _lines(numbers: dict[str, float], found: dict[str, tuple[float, float]], dilute: float) -> list[str]:
-    """Return the text; for ``dilute`` suspensions see J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
+    """Return the text. Viscosity of ``dilute`` suspensions: J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
     strain = numbers["strain"]
     lines = [
         f"area fraction phi = {numbers['area_fraction']:.4g}, shear rate {numbers['shear_rate']:.6g}",

@@ -18,7 +18,7 @@ from tisph.snapshot import Snapshot
 
 
 class LastStep(Protocol):
-    """The step that was taken last, from which an observer takes the states that it is to see."""
+    """The last step, from which an observer obtains the states that it needs."""
 
     time: float
     """Time at the end of the step."""
@@ -29,7 +29,7 @@ class LastStep(Protocol):
     def at(self, time: float) -> Snapshot:
         """Return the state at one of the times given to the observer; DivergedError where it is not sound.
 
-        No state is returned before the guard has checked the latest state that is asked for after this step.
+        No state is returned before the guard has checked the latest state due in this step.
         """
 
     def check(self) -> None:
@@ -127,6 +127,7 @@ class EveryTime:
     def __init__(self, interval: float, from_here: bool = False):
         self.interval = interval
         self.from_here = from_here
+        self.origin, self.next = 0.0, 1
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Start counting at the run's start time; multiples up to ``time`` count as done."""
@@ -147,7 +148,7 @@ class EverySteps:
     """Each ``number``-th step of the run."""
 
     def __init__(self, number: int):
-        self.number = number
+        self.number = self.next = number
 
     def begin(self, start: float, time: float, steps: int) -> None:
         """Count the steps up to ``steps`` as done."""

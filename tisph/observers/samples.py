@@ -85,7 +85,7 @@ class Description:
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
 STATE = ("divergence", "steepest", "added_power", "load_scatter", "acceleration")
-"""Attributes of a group beside ``t`` and ``step``, where a scheme knows them: see ``Snapshot``."""
+"""Attributes of a group beside ``t`` and ``step`` that only some schemes have: see ``Snapshot``."""
 
 BODIES = "bodies"
 """Name of the group with a dataset for each field of the bodies."""
@@ -97,7 +97,7 @@ EXACT = "_exact"
 class Storage:
     """A file of snapshots in groups, which can be read at any time and survives any end of the process.
 
-    ``name`` formats the name of a group from its number. Of the ``fields`` those that a snapshot has are stored, as
+    ``name`` formats the name of a group from its number. The existing ``fields`` of a snapshot are stored, as
     ``dtype`` if it is given. A group is written at once, or together with the groups of the next ``delay`` seconds.
     HDF5 cannot add to a file without a moment in which it cannot be read. Therefore there are two files: the unread one
     is brought up to date, then they change places. TisphError where the system refuses to write. ``about``: attributes

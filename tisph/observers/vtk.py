@@ -1,4 +1,4 @@
-"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it.
+"""The samples in a file for ParaView, written during the run: ``samples.vtkhdf``, and the bodies beside it.
 
 VTKHDF has snapshots as one UnstructuredGrid over time, each particle a vertex (VTK 9.3 and later, ParaView 5.12).
 Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one
@@ -86,7 +86,7 @@ VERSION = (2, 0)
 VERTEX, POLY_LINE, POLYGON = 1, 4, 7
 
 LARGEST_CHUNK = 65536
-"""Rows of a dataset that HDF5 keeps in one piece, at the most."""
+"""Most rows in a chunk of a dataset."""
 
 PIECES = 4
 """Points of an outline on the length of a particle spacing."""
@@ -131,7 +131,7 @@ def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndar
 
 
 def has_outlines(scene: Any) -> bool:
-    """Tell whether the scene has bodies other than straight walls."""
+    """Return whether the scene has bodies other than straight walls."""
     return any(body.shape.area for body in scene.bodies)
 
 
@@ -178,7 +178,7 @@ def _add_step(root: Any, time: float, points: Any, kinds: Any, sizes: Any, data:
 
 
 def _add(group: Any, name: str, rows: np.ndarray) -> None:
-    """Append ``rows`` to a dataset, which is made if there is none."""
+    """Append ``rows`` to a dataset, which is created at first."""
     if name not in group:
         chunk = (min(max(len(rows), 64), LARGEST_CHUNK), *rows.shape[1:])
         group.create_dataset(name, data=rows, maxshape=(None, *rows.shape[1:]), chunks=chunk)

@@ -27,7 +27,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class SampleErrors:
-    """One sample at time ``t``; ``sample["NAME"]`` is any number of it, also those that only its scene has.
+    """One sample at time ``t``; ``sample["NAME"]`` is any of its numbers, including the measures of its scene.
 
     ``l2`` is relative, ``rms`` and ``linf`` are over the reference velocity, ``t_star`` is ``t`` over the time scale.
     ``measures`` has all numbers by name, in the units of the config.
@@ -126,7 +126,7 @@ if TYPE_CHECKING:
 
 
 class Arrays(Mapping[str, np.ndarray]):
-    """Those in a ``group`` of the file by name, read when they are asked for."""
+    """The arrays in a ``group`` of an HDF5 file by name, each read when it is used."""
 
     def __init__(self, path: Path, group: str = "/"):
         self._path, self._group = path, group
@@ -175,7 +175,7 @@ class Sample(Arrays):
 class History(np.recarray):
     """A row a time: ``history.t``, and by their names in the file ``history["u(y=0.5)"]`` and so on.
 
-    Numbers are in the units of the config; where there is none it is NaN.
+    Numbers are in the units of the config; a missing number is NaN.
     """
 
     def to_pandas(self) -> Any:
@@ -202,7 +202,7 @@ class Movie:
 
 
 class Trajectories(Arrays):
-    """Bodies in the fluid at evenly spaced times: arrays by name, read when they are asked for.
+    """Bodies in the fluid at evenly spaced times: arrays by name, each read when it is used.
 
     ``t`` (times,); ``centre`` (times, bodies, 2), not wrapped by periods; ``angle`` [radians], ``angular_velocity``
     (times, bodies), counterclockwise; ``velocity``, ``force`` and ``contact_force`` (times, bodies, 2); ``torque``,
@@ -349,7 +349,7 @@ class Results:
 def open_run(folder: "str | PathLike[str]") -> Results:
     """Return the ``Results`` of a run that is finished, or was interrupted, or diverged; starts nothing.
 
-    ConfigError where ``folder`` is none of a run.
+    ConfigError where ``folder`` is not the folder of a run.
     """
     results = Results(folder)
     if not Folder(results.folder).config.is_file():

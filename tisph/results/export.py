@@ -106,7 +106,7 @@ def export(run: "Results", form: str, path: Path | None = None, *, frames: bool 
 
     It is ``path``, or ``samples.FORM`` in the run's folder; with ``frames``, of vtkhdf only, the frames of the movie
     and ``frames.vtkhdf``. Bodies of vtkhdf are in ``..._bodies.vtkhdf`` beside it. ConfigError where there is no sample
-    or frame, TisphError where the file cannot be written; then it is as it was.
+    or frame, TisphError where the file cannot be written; an existing one stays unchanged.
     """
     if form not in FORMATS:
         raise ConfigError(f"--to {form}: must be one of {', '.join(FORMATS)}")

@@ -191,7 +191,7 @@ class Simulation:
     def every(self, interval: float) -> Iterator[State]:
         """Step to the end of the run, and yield the states at the multiples of ``interval`` on the way.
 
-        Multiples count from the start of the run's clock, and those after the present time are yielded.
+        Multiples count from the start of the run's clock, and start after the present time.
         """
         schedule = EveryTime(interval)
         schedule.begin(self.scene.start_time, self.time, self.steps)
@@ -286,7 +286,7 @@ class Simulation:
         self._start = start_snapshot(self.scene, values, config.discretisation.precision)
 
     def _tell(self) -> None:
-        """Call the observers that are due, and give the callbacks their states."""
+        """Call the observers that are due, and store the states of the callbacks."""
         scheme = self._open_scheme()
         time_, steps = scheme.time, scheme.steps
         taken = [(each, each.schedule.take(time_, steps)) for each in (*self.observers, *self.callbacks)]

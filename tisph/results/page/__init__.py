@@ -78,7 +78,7 @@ def _measured(sample: "SampleErrors") -> Iterator[list[str]]:
 
 
 def estimate_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
-    """The errors that coarser runs tell of, of those that were asked for them (``--estimate-error``)."""
+    """Return the errors estimated from coarser runs, for runs with ``--estimate-error``."""
     rows = []
     for run, view in zip(runs, views, strict=True):
         found = run.summary.error_estimate or {}

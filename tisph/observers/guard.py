@@ -1,12 +1,12 @@
 """Guard: stops a run whose state is not sound, and stores the last sound state."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from tisph.errors import DivergedError
 from tisph.observers.protocol import EverySteps, LastStep, StateObserver
+from tisph.scenes._scene import Scene
 from tisph.snapshot import OPTIONAL, Snapshot
 
 INTERVAL = 50
@@ -29,7 +29,7 @@ and calm down again: by 1.4 such times in every run of the stability matrix that
 class Guard(StateObserver):
     """Checks snapshots for numbers that are not finite, compression, break-up, and particles beyond a wall."""
 
-    def __init__(self, scene: Any):
+    def __init__(self, scene: Scene):
         self.schedule = EverySteps(INTERVAL)
         self.scene = scene
         self.settled_from = scene.start_time + SETTLING * scene.spacing**2 / scene.solvent_viscosity

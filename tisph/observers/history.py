@@ -12,9 +12,11 @@ import h5py
 import numpy as np
 
 from tisph.folder import hdf5_file, readable, replaced, written
+from tisph.geometry.body import Body
 from tisph.measures.resolution import resolution
 from tisph.observers.protocol import LastStep, StateObserver, Times, even_times
 from tisph.observers.samples import Description
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 RECORDS = 401
@@ -37,7 +39,7 @@ class History(StateObserver):
     def __init__(
         self,
         path: Path,
-        scene: Any,
+        scene: Scene,
         series: Any,
         end: float,
         resumed_at: float | None = None,
@@ -104,7 +106,7 @@ class History(StateObserver):
             new.write_text(f"{self.header},{','.join(names)}\n{text}", encoding="utf-8")
 
     @staticmethod
-    def _resolved(scene: Any, t: float) -> bool:
+    def _resolved(scene: Scene, t: float) -> bool:
         return resolution(scene, t)[0]
 
     def _line(self, t: float, values: np.ndarray, resolved: bool) -> str:
@@ -188,16 +190,16 @@ class Trajectories(StateObserver):
     def __init__(
         self,
         path: Path,
-        scene: Any,
+        scene: Scene,
         end: float,
         resumed_at: float | None = None,
         about: Description | None = None,
     ):
         self.path, self.about = path, about
-        shapes = [body.shape for body in scene.bodies]
-        self.chosen = [k for k, shape in enumerate(shapes) if shape.area and shape.fluid_side == "outside"]
-        self.shapes = [type(shapes[index]).__name__.lower() for index in self.chosen]
-        self.free = [scene.bodies[index].free for index in self.chosen]
+        bodies: Sequence[Body] = scene.bodies
+        self.chosen = [index for index, body in enumerate(bodies) if body.in_fluid]
+        self.shapes = [type(bodies[index].shape).__name__.lower() for index in self.chosen]
+        self.free = [bodies[index].free for index in self.chosen]
         self.schedule = Times(even_times(scene.start_time, end, RECORDS), resumed_at)
         self.times: list[float] = []
         self.records: dict[str, list[np.ndarray]] = {name: [] for name in BODY_FIELDS}

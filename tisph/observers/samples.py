@@ -21,6 +21,7 @@ import numpy as np
 from tisph.folder import hdf5_file, partial, readable, replaced, spare
 from tisph.measures.metrics import with_reference
 from tisph.observers.protocol import StateObserver, Times
+from tisph.scenes._scene import Scene
 from tisph.snapshot import OPTIONAL, STRESSES, STRESSES_AROUND, Bodies, Snapshot
 from tisph.version import __version__
 
@@ -30,7 +31,7 @@ class Description:
     """Description of a run in its files: the same for the same ``config``, whenever it runs."""
 
     config: Any
-    scene: Any
+    scene: Scene
 
     @cached_property
     def resolved(self) -> str:
@@ -303,7 +304,7 @@ class Samples(StateObserver):
     def __init__(
         self,
         path: Path,
-        scene: Any,
+        scene: Scene,
         times: Iterable[float],
         resumed_at: float | None = None,
         about: Description | None = None,

@@ -7,17 +7,18 @@ piece, in three dimensions.
 https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 import h5py
 import numpy as np
 
-from tisph.geometry.body import Placement
+from tisph.geometry.body import Body, Placement
 from tisph.measures.fits import vorticity
 from tisph.observers.protocol import StateObserver, Times
 from tisph.observers.samples import Description, Samples, Storage
+from tisph.scenes._scene import Scene
 from tisph.snapshot import OPTIONAL, Snapshot
 
 Field = tuple[str, np.ndarray, str]
@@ -109,9 +110,10 @@ def append(file: Any, snapshot: Snapshot, about: Description) -> None:
 def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
     """Append the bodies of ``snapshot`` as the next step: number and all fields of ``tisph.snapshot.Bodies``."""
     bodies, scene = snapshot.bodies, about.scene
-    chosen = [index for index, body in enumerate(scene.bodies) if body.shape.area]
-    outlines = [_outline(scene, scene.bodies[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
-    kinds = [POLY_LINE if scene.bodies[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
+    immersed: Sequence[Body] = scene.bodies
+    chosen = [index for index, body in enumerate(immersed) if body.shape.area]
+    outlines = [_outline(scene, immersed[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
+    kinds = [POLY_LINE if immersed[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
     found = {name: np.asarray(values)[chosen] for name, values in vars(bodies).items() if values is not None}
     found = {name: np.pad(values, ((0, 0), (0, 1))) if values.ndim == 2 else values for name, values in found.items()}
     units = {name: about.units.get(name, "") for name in found}
@@ -120,7 +122,7 @@ def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
     _add_step(root, snapshot.t, points, np.array(kinds), sizes, {"body": np.array(chosen), **found})
 
 
-def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndarray:
+def _outline(scene: Scene, body: Body, centre: np.ndarray, angle: float) -> np.ndarray:
     """Return the boundary (n, 2) of a body, closed where the fluid is in it, at the copy that is in the box."""
     edge, periods = body.shape.boundary_points(scene.spacing / PIECES).point, np.array(body.periods)
     left = np.floor((centre - scene.origin) / periods)  # 0 along an axis without a period
@@ -130,9 +132,10 @@ def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndar
     )
 
 
-def has_outlines(scene: Any) -> bool:
+def has_outlines(scene: Scene) -> bool:
     """Return whether the scene has bodies other than straight walls."""
-    return any(body.shape.area for body in scene.bodies)
+    bodies: Sequence[Body] = scene.bodies
+    return any(body.shape.area for body in bodies)
 
 
 def beside(path: Path) -> Path:

@@ -123,6 +123,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from tisph.config import Config
+    from tisph.scenes._scene import Scene
 
 
 class Arrays(Mapping[str, np.ndarray]):
@@ -340,7 +341,7 @@ class Results:
         return Folder(self.folder)
 
     @cached_property
-    def _scene(self) -> Any:
+    def _scene(self) -> "Scene":
         from tisph import scenes
 
         return scenes.of(self.config)

@@ -36,6 +36,7 @@ from tisph.observers.samples import Frames, Samples, write_snapshot
 from tisph.report import drawing_process
 from tisph.report.drawing_process import RemoteMovie, described, shared
 from tisph.results import Results
+from tisph.scenes._scene import Scene
 from tisph.simulation import checkpoint
 from tisph.simulation.process import Interrupts, log, logging_to
 from tisph.snapshot import Snapshot
@@ -237,7 +238,7 @@ def cost(simulation: Any) -> dict[str, float | None]:
     }
 
 
-def write_last_good(folder: Folder, scene: Any, config: Any, snapshot: Snapshot) -> None:
+def write_last_good(folder: Folder, scene: Scene, config: Any, snapshot: Snapshot) -> None:
     """Write the last sound state of a diverged run, as data and as a picture."""
     with replaced(folder.last_good) as new, hdf5_file(new) as file:
         write_snapshot(file, snapshot)
@@ -322,12 +323,12 @@ class Picture:
             new.write_bytes(image)
 
 
-def movie(folder: Folder, settings: Any, scene: Any) -> RemoteMovie:
+def movie(folder: Folder, settings: Any, scene: Scene) -> RemoteMovie:
     """Return the movie of a run, to which frames can be added."""
     return RemoteMovie(shared(), folder.movie, scene, settings.output.video, settings.name, settings.time.end)
 
 
-def begin_pictures(folder: Folder, settings: Any, scene: Any) -> list[Picture]:
+def begin_pictures(folder: Folder, settings: Any, scene: Scene) -> list[Picture]:
     """Start to draw profiles.png and history.png from the stored samples and history, as far as there are any."""
     results, wanted = Results(folder.root), dict[str, tuple[Any, ...]]()
     paths = {"profiles": folder.profiles_picture, "history": folder.history_picture}
@@ -398,7 +399,7 @@ def _require_movie_keys(folder: Folder, overrides: Sequence[str]) -> None:
         raise ConfigError(f"{folder.root}: the run kept no frames ({folder.frames.name}), so there is no other movie")
 
 
-def _require_fields(folder: Folder, scene: Any, color_by: str) -> None:
+def _require_fields(folder: Folder, scene: Scene, color_by: str) -> None:
     """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
     for snapshot in islice(Results(folder.root).snapshots(frames=True), 1):
         lacking = [name for name in scene.movie_fields(color_by) if not np.size(getattr(snapshot, name))]

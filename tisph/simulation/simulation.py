@@ -7,7 +7,7 @@ from copy import copy
 from os import PathLike
 from pathlib import Path
 from types import new_class
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import EveryTime, Observer, Schedule
 from tisph.observers.samples import Description
+from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import Scheme
 from tisph.simulation import checkpoint, process
 from tisph.simulation.checkpoint import OTHER_STEPS
@@ -321,12 +322,12 @@ class Simulation:
 
 
 def with_functions(
-    scene: Any,
+    scene: Scene,
     scheme: str,
     initial_velocity: Field | None = None,
     body_force: Field | None = None,
     conformation_source: Field | None = None,
-) -> Any:
+) -> Scene:
     """Return ``scene`` with an initial velocity, an acceleration and a source given as functions of (x, y, t).
 
     Each function takes arrays (particles,) of places, and a time. It returns physical components, which broadcast to
@@ -359,7 +360,7 @@ def with_functions(
     if scene.axisymmetric:
         given["swirls"] = True
     if body_force is not None:
-        force, drive = _on_places(body_force, scene.components), scene.body_force
+        force, drive = _on_places(body_force, scene.components), cast(Any, scene.body_force)
 
         def both(x: np.ndarray, y: np.ndarray, t: float) -> list[np.ndarray]:
             return [a + b for a, b in zip(force(x, y, t), drive(x, y, t), strict=True)]

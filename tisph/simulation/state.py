@@ -16,6 +16,7 @@ from tisph import runtime
 from tisph.measures.metrics import relative_error, velocities, with_reference
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Schedule, StateObserver
+from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import ProbedScheme, Scheme
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Bodies, Snapshot
 
@@ -26,7 +27,7 @@ PARTICLES_PER_THREAD_WITH_PRESSURE = 2048
 """Particles per thread in flow with a pressure equation, whose linear solvers run on one thread anyway."""
 
 
-def useful_threads(config: Any, scene: Any) -> int:
+def useful_threads(config: Any, scene: Scene) -> int:
     """Return the number of threads: ``runtime.threads``, or the useful number for the particles of ``scene``."""
     if config.runtime.threads != "auto":
         return config.runtime.threads
@@ -36,7 +37,7 @@ def useful_threads(config: Any, scene: Any) -> int:
     return min(runtime.available_threads(), math.ceil(scene.particles / least))
 
 
-def start_values(scene: Any, initial: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+def start_values(scene: Scene, initial: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Return positions (particles, 2), velocities (particles, components) and polymer stresses or None at the start.
 
     Stresses (particles, numbers) have the components xx, xy, yy, and tt, xt, yt in axisymmetric flow. ``initial`` is
@@ -49,7 +50,7 @@ def start_values(scene: Any, initial: Any) -> tuple[np.ndarray, np.ndarray, np.n
     return np.stack([x, y], 1), np.stack([fields[name] for name in ("u", "v", "w")[: scene.components]], 1), stress
 
 
-def start_snapshot(scene: Any, values: tuple[np.ndarray, np.ndarray, np.ndarray | None], precision: str) -> Snapshot:
+def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarray | None], precision: str) -> Snapshot:
     """Return the ``start_values`` of ``scene.in_flow_frame()`` as a Snapshot in the frame of ``scene``.
 
     It is the start of the config, before the impulse of walls. ``precision`` of the positions and velocities of the
@@ -78,7 +79,7 @@ def start_snapshot(scene: Any, values: tuple[np.ndarray, np.ndarray, np.ndarray 
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 
-def seen_from_config(snapshot: Snapshot, scene: Any) -> Snapshot:
+def seen_from_config(snapshot: Snapshot, scene: Scene) -> Snapshot:
     """Return ``snapshot``, given in the frame of ``scene.in_flow_frame()``, in the frame of ``scene``."""
     velocity = scene.frame_velocity
     if velocity == 0.0:
@@ -101,7 +102,7 @@ class LastStep:
     def __init__(
         self,
         scheme: Scheme,
-        scene: Any,
+        scene: Scene,
         guard: Guard,
         due: Sequence[Sequence[float]] = (),
         start: Snapshot | None = None,
@@ -158,7 +159,7 @@ class State:
     All numbers are in the units of the config. The arrays do not change when the run continues.
     """
 
-    def __init__(self, snapshot: Snapshot, scene: Any):
+    def __init__(self, snapshot: Snapshot, scene: Scene):
         self.snapshot = snapshot
         self._scene = scene
         self.t: float = snapshot.t
@@ -211,7 +212,7 @@ class Callback(StateObserver):
     Therefore an interrupt while the function runs finds the simulation between two steps.
     """
 
-    def __init__(self, schedule: Schedule, function: Callable[[State], Any], scene: Any):
+    def __init__(self, schedule: Schedule, function: Callable[[State], Any], scene: Scene):
         self.schedule, self.function, self.scene = schedule, function, scene
         self.waiting: list[State] = []
 

@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from tisph.geometry.shape import Boundary, ClosestPoint, Side, evenly, mirrored
+from tisph.geometry.shape import Boundary, ClosestPoint, Shape, Side, evenly
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Shape):
     """The line through ``point`` along ``tangent`` (of any length but 0), with the fluid on the left of it.
 
     ``length`` is its period [length], which points on it need. ValueError where the tangent has no direction.
@@ -53,10 +53,6 @@ class Line:
         distance = away @ self.normal
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
         return ClosestPoint(point, normal, np.zeros(len(away)), distance)
-
-    def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points."""
-        return mirrored(self, points, cutoff)
 
     def boundary_points(self, spacing: float) -> Boundary:
         """Return points of one period, half a spacing from its ends; ValueError for a line without a period."""

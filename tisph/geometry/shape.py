@@ -79,7 +79,13 @@ class Shape(Protocol):
         """Return the closest points of the wall to ``points`` (n, 2)."""
 
     def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points."""
+        """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points.
+
+        The image of a point is its reflection across the closest point of the wall.
+        """
+        foot = self.nearest(points)
+        near = np.flatnonzero(foot.distance < cutoff)
+        return points[near] - 2 * foot.distance[near, None] * foot.normal[near], near
 
     def boundary_points(self, spacing: float) -> Boundary:
         """Return points of the wall about ``spacing`` apart, evenly in arc length, in the order of the curve."""
@@ -97,10 +103,6 @@ class ClosedCurve(Shape):
         """Return the closest points of the wall to ``points`` (n, 2)."""
         foot, side = self._nearest(np.asarray(points, dtype=float)), self._side
         return ClosestPoint(foot.point, side * foot.normal, side * foot.curvature, side * foot.distance)
-
-    def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points."""
-        return mirrored(self, points, cutoff)
 
     def boundary_points(self, spacing: float) -> Boundary:
         """Return points evenly along the wall; their number is length/spacing, rounded."""
@@ -134,13 +136,6 @@ def check_side(fluid_side: str) -> None:
     """Raise ValueError where ``fluid_side`` is no ``Side``."""
     if fluid_side not in ("outside", "inside"):
         raise ValueError(f"the fluid is outside or inside a closed curve, not {fluid_side!r}")
-
-
-def mirrored(shape: Shape, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return images (k, 2) of ``points`` (n, 2) within ``cutoff`` across closest points, and indices (k,)."""
-    foot = shape.nearest(points)
-    near = np.flatnonzero(foot.distance < cutoff)
-    return points[near] - 2 * foot.distance[near, None] * foot.normal[near], near
 
 
 def evenly(length: float, spacing: float, least: int = 1) -> np.ndarray:

@@ -42,7 +42,7 @@ class Particles(Protocol):
     def __getitem__(self, name: str) -> np.ndarray: ...
 
 
-class Arrays(dict):
+class SnapshotArrays(dict):
     """Arrays of a snapshot named as in ``samples.h5``, and of two-dimensional flow ``vorticity``, with ``units``.
 
     ``about`` is the ``Description`` of the run.
@@ -100,7 +100,7 @@ def append(file: Any, snapshot: Snapshot, about: Description) -> None:
     and the exact ones. Field data: ``units``, a text with the unit of each field; and the ``config`` as YAML.
     ``about`` is the ``Description`` of the run.
     """
-    particles, count = Arrays(about, snapshot), len(snapshot.x)
+    particles, count = SnapshotArrays(about, snapshot), len(snapshot.x)
     found = list(fields(particles))
     root = file.get("VTKHDF") or _begun(file, "PointData", {name: unit for name, _, unit in found}, about)
     data = {name: array for name, array, _ in found}

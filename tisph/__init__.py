@@ -22,7 +22,7 @@ from tisph import errors as errors
 
 if TYPE_CHECKING:
     from tisph.interface import check, run
-    from tisph.observers.schedule import every
+    from tisph.observers.protocol import every
     from tisph.results import Results
     from tisph.results import open_run as open
     from tisph.simulation.simulation import Simulation
@@ -35,7 +35,7 @@ _PLACES = {
     "open": ("tisph.results", "open_run"),
     "Results": ("tisph.results", "Results"),
     "Simulation": ("tisph.simulation.simulation", "Simulation"),
-    "every": ("tisph.observers.schedule", "every"),
+    "every": ("tisph.observers.protocol", "every"),
 }
 """Public name -> module and name in it. It is imported at its first use, so that commands start quickly."""
 

@@ -1,5 +1,6 @@
-"""The results folder: the list of the files that a run may leave, and its lock against other processes."""
+"""The results folder: its list of files, its lock, and files that are written completely or not at all."""
 
+import io
 import json
 import os
 from collections.abc import Iterator
@@ -7,28 +8,28 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from tisph.errors import ConfigError
+from tisph.errors import ConfigError, TisphError
 
 LOCK = ".lock"
 
 MADE = ("report.html", "samples.csv", "samples.npz", "samples.extxyz", "frames.vtkhdf", "frames_bodies.vtkhdf")
-"""Files that other commands make from a run, in its folder: out of date after the next run."""
+"""Files that other commands make in the folder of a run: out of date with the next run."""
 
 
 def partial(path: Path) -> Path:
-    """Return the path of the file that is written to replace ``path``."""
+    """Return the path at which the next version of the file ``path`` is written."""
     return path.with_name(f"{path.name}.partial")
 
 
 def spare(path: Path) -> Path:
-    """Return the path of a copy of the file ``path`` while that is being replaced."""
+    """Return the path at which the previous version of the file ``path`` stays for a moment."""
     return path.with_name(f"{path.name}.spare")
 
 
 class Folder:
     """Paths of a run's files in ``root``."""
 
-    def __init__(self, root: str | Path):
+    def __init__(self, root: str | os.PathLike[str]):
         self.root = Path(root)
         self.config = self.root / "config.resolved.yaml"
         self.summary = self.root / "summary.json"
@@ -49,13 +50,13 @@ class Folder:
         self.last_good_picture = self.root / "last_good.png"
 
     def read_summary(self) -> dict[str, Any]:
-        """Return the contents of ``summary.json``; status ``failed`` and no samples where there is no such file."""
+        """Return the contents of ``summary.json``; status ``failed`` without samples where there is no such file."""
         if not self.summary.is_file():
             return {"status": "failed", "samples": []}
         return json.loads(self.summary.read_text(encoding="utf-8"))
 
     def files(self) -> list[Path]:
-        """Return the paths of all files, also of the partial files of a killed run."""
+        """Return the paths of all files, and of their partial and spare versions, which a killed run may leave."""
         paths = [path for name, path in vars(self).items() if name != "root"]
         spares = map(spare, (self.samples, self.vtk, self.vtk_bodies, self.frames))
         return [*paths, *map(partial, paths), *spares, *map(self.root.joinpath, MADE)]
@@ -63,7 +64,7 @@ class Folder:
 
 @contextmanager
 def held(root: Path) -> Iterator[None]:
-    """Create the folder ``root`` if needed, and lock it against other processes; filelock's Timeout if it is locked.
+    """Create the folder ``root`` if necessary and lock it; filelock's Timeout if another process holds the lock.
 
     The lock ends with the context or the process. The lock's file is removed while it is still locked: a process that
     has opened it by then notices that it is gone (``filelock`` from 3.24 on).
@@ -77,33 +78,33 @@ def held(root: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            with suppress(OSError):  # the folder may be deleted or replaced by now; Windows keeps open files
+            with suppress(OSError):  # the folder may be gone, or be another one by now; Windows keeps open files
                 if os.path.samestat(own, os.stat(root / LOCK)):
                     os.unlink(root / LOCK)
 
 
 @contextmanager
 def _interrupts_alone() -> Iterator[None]:
-    """Raise KeyboardInterrupt for a group of errors with one: after a second interrupt, while the folder is locked."""
+    """Raise KeyboardInterrupt for a group of errors with one: a second interrupt at the lock."""
+
+    def has_interrupt(error: BaseException) -> bool:
+        return isinstance(error, KeyboardInterrupt) or any(map(has_interrupt, getattr(error, "exceptions", ())))
+
     try:
         yield
     except BaseException as error:
-        if _has_interrupt(error):
+        if has_interrupt(error):
             raise KeyboardInterrupt from None
         raise
 
 
-def _has_interrupt(error: BaseException) -> bool:
-    return isinstance(error, KeyboardInterrupt) or any(map(_has_interrupt, getattr(error, "exceptions", ())))
-
-
 RESULTS = tuple(path.name for path in Folder(".").files())
-"""Names of all files that a run may leave. ``--overwrite`` removes them, and no other file."""
+"""Names of the files that ``--overwrite`` removes; other files in the folder are not touched."""
 
 
 @contextmanager
 def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
-    """Prepare ``folder`` for results and lock it against other runs; ConfigError where that is not possible.
+    """Prepare ``folder`` for results and lock it against other runs; ConfigError where that is impossible.
 
     Without ``overwrite`` or ``resume`` it must be new or empty; ``resume`` needs a checkpoint in it.
     """
@@ -129,10 +130,84 @@ def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
             raise ConfigError(
                 f"--out {folder}: the folder is not empty; choose another one, or add --overwrite or --resume"
             )
-        if overwrite:
-            for name in RESULTS:
-                try:
-                    (folder / name).unlink(missing_ok=True)
-                except OSError as error:
-                    raise ConfigError(f"--overwrite: {folder / name} cannot be removed: {error.strerror}") from None
+        for name in RESULTS if overwrite else ():
+            try:
+                (folder / name).unlink(missing_ok=True)
+            except OSError as error:
+                raise ConfigError(f"--overwrite: {folder / name} cannot be removed: {error.strerror}") from None
         yield
+
+
+DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError)
+"""Errors that reading a damaged file raises: h5py has no error of its own."""
+
+
+@contextmanager
+def written(path: Path) -> Iterator[None]:
+    """Raise one TisphError that names ``path`` where the system refuses to write it."""
+    try:
+        yield
+    except OSError as error:
+        raise TisphError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+@contextmanager
+def replaced(path: Path) -> Iterator[Path]:
+    """Yield the path of a new file, which replaces ``path`` once it is complete.
+
+    Until then, and after a failure, ``path`` is as before. TisphError where the system refuses to write.
+    """
+    new = partial(path)
+    with written(path):
+        try:
+            yield new
+            os.replace(new, path)
+        except BaseException:
+            with suppress(OSError):
+                new.unlink()
+            raise
+
+
+@contextmanager
+def readable(path: Path) -> Iterator[None]:
+    """Raise one ConfigError that names ``path`` where its contents cannot be read."""
+    try:
+        yield
+    except DAMAGE as error:
+        raise ConfigError(f"{path}: cannot be read ({error}); run again with --overwrite") from error
+
+
+@contextmanager
+def hdf5_file(path: Path, mode: str = "w") -> Iterator[Any]:
+    """Yield ``path`` as an HDF5 file, new or (``r+``) existing; OSError, once it is closed, where a write failed."""
+    import h5py  # no command waits for it that opens no such file
+
+    with _Disk(path, "w+" if mode == "w" else "r+") as disk:
+        with h5py.File(disk, mode) as hdf5:
+            yield hdf5
+        if disk.error:
+            raise disk.error
+
+
+class _Disk(io.FileIO):
+    """A file that stores its first failure: HDF5 crashes the process when a write fails."""
+
+    error: OSError | None = None
+
+    def write(self, data: Any) -> int:
+        """Write all of ``data`` as long as nothing has failed."""
+        rest = memoryview(data).cast("B")
+        try:
+            while rest and not self.error:
+                rest = rest[super().write(rest) :]
+        except OSError as error:
+            self.error = error
+        return len(data)
+
+    def truncate(self, size: int | None = None) -> int:
+        """Set the size of the file."""
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return 0

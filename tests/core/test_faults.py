@@ -19,9 +19,8 @@ from faults_case import CASE, END, require_readable
 
 from tisph import config, simulation
 from tisph.folder import Folder
-from tisph.observers._storage import Storage
 from tisph.observers.history import read_history
-from tisph.observers.samples import read_frames, read_samples
+from tisph.observers.samples import Storage, read_frames, read_samples
 from tisph.snapshot import Snapshot
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="sends signals")

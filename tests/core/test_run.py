@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from tisph import cli, config, runtime, scenes, simulation
 from tisph.config import yaml_text
-from tisph.observers._storage import write_snapshot
+from tisph.observers.samples import write_snapshot
 from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot
 

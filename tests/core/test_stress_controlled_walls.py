@@ -101,7 +101,7 @@ def test_the_shear_rate_of_a_shear_thinning_fluid_follows_the_stress(case):
     thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
     wall = layers(*case(thins, "time.end=0.1")).walls.stress_controlled[0]
     moment = SimpleNamespace(stress=lambda t: 1.0 + 2.0 * t)
-    wall.control = SimpleNamespace(after=lambda t: moment, stress_rate=lambda t: 2.0)
+    wall.control = SimpleNamespace(after=lambda t: moment, slope=lambda t: 2.0)
     wall.jump(0.5)
     rate, step = wall.rate, 1e-5
     # stresses are over the density: half the root of the rate is 2 there, and grows by 2 in a unit of time

@@ -16,8 +16,7 @@ from tisph.assessment import judge, report
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
-from tisph.observers._storage import Description
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Description, Samples
 from tisph.results.export import FORMATS, export
 from tisph.snapshot import Bodies, Snapshot
 

@@ -13,8 +13,7 @@ import tisph
 from tisph import cli, scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.observers._storage import Description, write_snapshot
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Description, Samples, write_snapshot
 from tisph.observers.vtk import Vtk
 from tisph.results.export import FORMATS, export
 from tisph.scenes.channel import Channel
@@ -96,7 +95,7 @@ def test_what_a_run_writes_as_it_goes_is_what_is_exported_then(run, tmp_path, re
     missing = [t for t in TIMES if t > (resumed_at or 0.0)]
     assert path.exists() == (len(missing) < len(TIMES))  # there is no file without a step
     for t in missing:
-        assert live.schedule.due(t)
+        assert live.schedule.take(t)
         snapshot = make_snapshot(channel, t, slip=2e-3)
         samples.observe(snapshot)
         live.observe(snapshot)

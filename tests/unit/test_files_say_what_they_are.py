@@ -7,9 +7,8 @@ from report_scene import make_snapshot
 
 from tisph import __version__
 from tisph.config import load
-from tisph.observers._storage import Description
 from tisph.observers.history import History, read_history
-from tisph.observers.samples import Samples, read_samples
+from tisph.observers.samples import Description, Samples, read_samples
 from tisph.scenes.channel import Channel
 
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"

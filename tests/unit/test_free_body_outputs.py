@@ -14,8 +14,8 @@ from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
 from tisph.observers import history as histories
-from tisph.observers._storage import Description
 from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
+from tisph.observers.samples import Description
 from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
 from tisph.report.movie import _overlays
@@ -193,7 +193,7 @@ def test_interrupted_trajectories_go_on_with_the_same_bytes(tmp_path, make, monk
             trajectories.observe(moved(scene, snapshot, t))
         trajectories.flush()
     again = Trajectories(paths[1], scene, 1.0, resumed_at=0.6, about=about)  # the last one came after the checkpoint
-    assert again.schedule.pending(1.0) == [0.75, 1.0]
+    assert again.schedule.take(1.0) == [0.75, 1.0]
     for t in (0.75, 1.0):
         again.observe(moved(scene, snapshot, t))
     again.close()

@@ -11,8 +11,8 @@ import pytest
 import tisph
 from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.interface.running import _error
-from tisph.results._summary import typed
+from tisph.interface import _error
+from tisph.results._results import typed
 
 MOST_LINES, MOST_COLUMNS = 260, 200
 """Of ``help(tisph)``: two screens of 65 lines."""

@@ -176,7 +176,7 @@ def test_viscosity_is_read_with_its_error(make, turned):
     text = "\n".join(reading.lines)
     assert f"1 + 2 phi      {1.0 + 2.0 * solid:.5g}" in text
     assert "contacts in the whole run: 7" in text
-    assert "unsure" not in text
+    assert "uncertain" not in text
 
 
 def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
@@ -184,7 +184,7 @@ def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
     table = {name: values for name, values in noisy(0.4).items() if name in ("t", WALLS)}
     reading = read(config, scene, {**table, "t": table["t"] / 2.0})
     assert "contacts" not in reading.numbers
-    assert reading.lines[-1].startswith("unsure: each of the 10 batches has a strain of 0.75, and needs 1")
+    assert reading.lines[-1].startswith("uncertain: each of the 10 batches that give the error has a strain of 0.75")
     assert [curve[1] for curve in reading.curves] == ["by the stress on the walls", "Einstein, 1 + 2φ"]
 
 
@@ -196,7 +196,7 @@ def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
 def test_only_steady_shear_without_a_drive_is_read(make, change):
     config, scene = make(change, "initial.state=rest")
     table = {"t": np.linspace(0.0, 1.0, 401)} | {name: np.ones(401) for name in scene.mean_stress_names}
-    with pytest.raises(ConfigError, match="between walls of different, constant velocities, without a drive"):
+    with pytest.raises(ConfigError, match="needs walls of different, constant velocities, without a drive"):
         read(config, scene, table)
 
 

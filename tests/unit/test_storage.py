@@ -5,8 +5,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 
-from tisph.observers._storage import write_snapshot
-from tisph.observers.samples import Frames, read_frames, read_samples
+from tisph.observers.samples import Frames, read_frames, read_samples, write_snapshot
 from tisph.snapshot import Bodies, Snapshot
 
 

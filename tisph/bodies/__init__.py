@@ -1,1 +1,1 @@
-"""Bodies that stand or move in the fluid, as a config gives them. One file a shape."""
+"""Bodies at rest or moving in the fluid, as in a config. One file a shape."""

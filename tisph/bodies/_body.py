@@ -1,7 +1,7 @@
-"""What a config says of every body: where it is, how it is turned and moves; and the ``Body`` that comes of it."""
+"""Keys of every body in a config: place, angle and motion; and the ``Body`` that they define."""
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -10,7 +10,7 @@ from tisph.config.base import Model, NonNegative, Positive, Signed, findings, re
 from tisph.config.fields import either
 from tisph.geometry.body import Body
 from tisph.geometry.motion import FREEDOMS, REST, FreeMotion, Inertia, RigidMotion, WallMotion
-from tisph.geometry.shape import centroid, polar_moment
+from tisph.geometry.shape import Shape, centroid, polar_moment
 
 Point = Annotated[tuple[Signed, Signed], Field(strict=False)]
 """A place or a vector [x, y]."""
@@ -55,7 +55,7 @@ class Motion(Model):
         return self
 
     def rigid(self) -> RigidMotion:
-        """The motion as walls have it."""
+        """Return the motion of the wall of the body."""
         if self.angular_frequency is None:
             parts = (*(self.velocity or (0.0, 0.0)), self.angular_velocity or 0.0)
             return RigidMotion(*map(WallMotion, parts))
@@ -64,22 +64,27 @@ class Motion(Model):
         return RigidMotion(*(WallMotion(*size, self.angular_frequency) for size in sizes))
 
 
+if TYPE_CHECKING:
+    BodyMotion = Motion | Literal["fixed", "free"]
+else:
+    BodyMotion = either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free")
+
 OFF_CENTRE = 1e-4
-"""Of the square root of its area, by which a free body's centre of mass may be off the centre that it turns about."""
+"""Largest distance of a free body's centre of mass from its centre, over the square root of its area."""
 
 FREE_KEYS = ("density", "mass", "moment_of_inertia", "velocity", "angular_velocity", "hold", "force", "torque")
 
 
 class Placed(Model):
-    """``centre`` [length], which a body turns about, ``angle`` [radians] of it at t = 0, and its motion.
+    """``centre`` [length] of rotation, ``angle`` [radians] at t = 0, and motion of a body.
 
-    A body whose motion is ``free`` is carried by the fluid. It has a ``density`` [mass/length^3], that of the fluid
-    where left out, or a ``mass`` [mass/length] and a ``moment_of_inertia`` [mass length] around the centre, which is
-    its centre of mass; a ``velocity`` [u, v] and an ``angular_velocity`` just before t = 0; a ``force`` [fx, fy]
-    [mass/time^2] and a ``torque`` from outside, per length across the plane; and ``hold``, those of x, y and angle
-    that stay as they are.
+    A body whose motion is ``free`` is carried by the fluid. It has a ``density`` [mass/length^3], by default the
+    density of the fluid, or a ``mass`` [mass/length] and a ``moment_of_inertia`` [mass length] around the centre, which
+    is its centre of mass; a ``velocity`` [u, v] and an ``angular_velocity`` just before t = 0; an external ``force``
+    [fx, fy] [mass/time^2] and ``torque``, per length across the plane; and ``hold``: the coordinates among x, y and
+    angle that keep their initial velocity.
 
-    Parameters of a shape add what it is, in the frame of its centre, and say of which key they make it.
+    Parameters of a shape add its size, in the frame of the centre; ``shaped_by`` is the key that defines it.
     """
 
     shaped_by: ClassVar[str]
@@ -87,7 +92,7 @@ class Placed(Model):
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
-    motion: either(Motion, Literal["fixed", "free"], lambda value: isinstance(value, str), "fixed or free") = "fixed"
+    motion: BodyMotion = "fixed"
     density: NonNegative | None = None
     mass: NonNegative | None = None
     moment_of_inertia: NonNegative | None = None
@@ -119,27 +124,28 @@ class Placed(Model):
                 raise refusals([((self.shaped_by,), text, getattr(self, self.shaped_by))])
         return self
 
-    def shape(self):
-        """The shape, with the fluid outside; ValueError where it is impossible."""
+    def shape(self) -> Shape:
+        """Return the shape, with the fluid outside; ValueError where it is impossible."""
         raise NotImplementedError
 
     def body(self, periods: tuple[float, float] = (math.inf, math.inf), surroundings: Any = None) -> Body:
-        """The body, in a cell of these periods (infinite where it is not periodic).
+        """Return the body, in a cell of these periods (infinite where it is not periodic).
 
-        A free one is moved by ``surroundings``, which have the ``density`` of the fluid and the ``acceleration`` and
-        ``gravity`` (2,) that drive it.
+        For a free body ``surroundings`` have the ``density`` of the fluid and the ``acceleration`` and ``gravity`` (2,)
+        that drive it.
         """
+        motion: FreeMotion | RigidMotion = REST
         if self.motion == "free":
             motion = FreeMotion(self._inertia(surroundings))
-        else:
-            motion = REST if self.motion == "fixed" else self.motion.rigid()
+        elif self.motion != "fixed":
+            motion = self.motion.rigid()
         return Body(self.shape(), self.centre, self.angle, motion, periods)
 
     def _inertia(self, surroundings: Any) -> Inertia:
-        """What resists and what moves a free body.
+        """Return inertia and external load of a free body.
 
-        The fluid's pressure has neither the part that falls by density * acceleration along x, nor that of the
-        fluid's weight: what these do to a body is put in with its load.
+        The computed pressure lacks the part that falls by density * acceleration along x and the hydrostatic part;
+        their forces on the body are included in the load.
         """
         shape, fluid = self.shape(), surroundings.density
         density = fluid if self.density is None else self.density
@@ -151,5 +157,5 @@ class Placed(Model):
         force += (mass - fluid * shape.area) * np.array(surroundings.gravity)
         velocity = (*(self.velocity or (0.0, 0.0)), self.angular_velocity or 0.0)
         load = (*force.tolist(), self.torque or 0.0)
-        held = tuple(name in self.hold for name in FREEDOMS)
-        return Inertia((mass, mass, moment), load, velocity, held)
+        x, y, angle = (name in self.hold for name in FREEDOMS)
+        return Inertia((mass, mass, moment), load, velocity, (x, y, angle))

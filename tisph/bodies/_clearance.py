@@ -1,4 +1,4 @@
-"""Whether bodies are large enough for particles around them and leave enough clearance."""
+"""Checks that bodies are large enough for particles around them, and far enough apart."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,15 +10,15 @@ from tisph.config.base import Problem
 from tisph.geometry.body import Body, gap, smallest_gap
 
 LEAST_GAP = 2.0
-"""In particle spacings."""
+"""Smallest gap between walls, in particle spacings."""
 
 ROUNDING = 1e-5
-"""Part of a gap that counts for nothing: it is good to 1e-6 of the walls (``geometry/body.py``)."""
+"""Part of a gap that is round-off: a gap is correct to 1e-6 of the walls (``geometry/body.py``)."""
 
 LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
-"""Of corners and bends that bulge into the fluid, of those that it fills, and of whole bodies, in particle spacings.
+"""Least radius of convex corners and bends, and of concave ones, and least width of bodies, in particle spacings.
 
-Circles of 2 spacings stop at the first step, corners of 1 soon after it, and sharp ones that the fluid fills, too
+Runs with circles of 2 spacings fail at the first step, with corners of 1 or sharp concave ones soon after it
 (docs/evidence/verification.md). The support of wall points is 4.5 spacings, and reaches through a thinner body.
 """
 
@@ -31,24 +31,24 @@ BULGES = {
 """Key that defines a body's shape -> (key of its smallest radius, name of the part that has this radius)."""
 
 Walls = dict[str, Body]
-"""The other walls by what messages call them."""
+"""The other walls by their names in messages."""
 
 
 def problems(
     bodies: Sequence[Body], walls: Walls, spacing: float, times: Iterable[float] = (0.0,)
 ) -> Iterator[Problem]:
-    """What is wrong with the places of ``bodies`` at the first of the ``times`` at which something is."""
+    """Yield the gaps of ``bodies`` that are too small, at the first of the ``times`` at which there are any."""
     for time in times:
-        found = [*_at_walls(bodies, walls, spacing, time), *_among(bodies, spacing, time)]
+        found = list(_too_close(bodies, walls, spacing, time))
         if found:
             yield from found
             return
 
 
 def size_problems(shapes: Iterable[tuple[str, Any, Body]], spacing: float, across: float) -> Iterator[Problem]:
-    """What is too small of bodies and walls, each with its key, the parameters of its shape and the ``Body``.
+    """Yield bodies and walls that are too small; ``shapes`` are triples of key, parameters of the shape and ``Body``.
 
-    ``across`` is the length that has ``particles_across`` spacings.
+    ``across`` is the length of ``particles_across`` spacings.
     """
     for key, parameters, body in shapes:
         found = _too_small(parameters.shaped_by, body.shape, spacing, across)
@@ -57,7 +57,7 @@ def size_problems(shapes: Iterable[tuple[str, Any, Body]], spacing: float, acros
 
 
 def _too_small(shaped_by: str, shape: Any, spacing: float, across: float) -> tuple[str, str] | None:
-    """The key of what is too small of a ``shape``, and why; None where nothing is."""
+    """Return the key of the part of ``shape`` that is too small, and the reason; None where all is large enough."""
     radius_key, what = BULGES[shaped_by]
     convex = 0.5 * LEAST_WIDTH if what == "a circle" else LEAST_RADIUS
     for radius, least in ((shape.convex_radius, convex), (shape.smallest_radius, LEAST_HOLLOW)):
@@ -74,7 +74,7 @@ def _too_small(shaped_by: str, shape: Any, spacing: float, across: float) -> tup
 
 
 def _width(shape: Any) -> float:
-    """Smallest distance of two parallel lines that a body is between; infinite of a wall around the fluid."""
+    """Return the smallest distance of two parallel lines around a body; infinity for a wall around the fluid."""
     if shape.fluid_side == "inside":
         return math.inf
     angle = np.pi / 180 * np.arange(180)
@@ -90,17 +90,16 @@ def _too_few(what: str, spacings: float, least: float, enough: list[str]) -> str
     return f"{what} has {spacings:.3g} spacings; it needs at least {least:g}: {' or '.join(enough)}"
 
 
-def _at_walls(bodies: Sequence[Body], walls: Walls, spacing: float, time: float) -> Iterator[Problem]:
+def _too_close(bodies: Sequence[Body], walls: Walls, spacing: float, time: float) -> Iterator[Problem]:
+    """Yield all gaps to ``walls`` and the smallest gap among ``bodies`` that are too small at ``time``."""
+    least = LEAST_GAP * spacing * (1 - ROUNDING)
     for i, body in enumerate(bodies):
         for name, wall in walls.items():
             apart = gap(body, wall, time)
-            if apart < LEAST_GAP * spacing * (1 - ROUNDING):
+            if apart < least:
                 yield f"bodies.{i}.centre", _words(apart, name, spacing, time)
-
-
-def _among(bodies: Sequence[Body], spacing: float, time: float) -> Iterator[Problem]:
     apart, pair = smallest_gap(bodies, time)
-    if pair is None or apart >= LEAST_GAP * spacing * (1 - ROUNDING):
+    if pair is None or apart >= least:
         return
     i, j = pair
     if i == j:

@@ -114,7 +114,7 @@ def report(
       tisph report runs/couette
       tisph report runs/couette runs/fine --out couette.html
     """
-    from tisph.observers._storage import replaced
+    from tisph.folder import replaced
     from tisph.results import open_run
     from tisph.results.page import report as page
 

@@ -1,4 +1,4 @@
-"""Straight wall, without ends: it goes on periodically. The fluid is on its left."""
+"""Straight wall without ends, continued periodically. The fluid is on its left."""
 
 import math
 from dataclasses import dataclass
@@ -6,11 +6,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from tisph.geometry.shape import Boundary, ClosestPoint, Side, evenly, mirrored
+from tisph.geometry.shape import Boundary, ClosestPoint, Shape, Side, evenly
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Shape):
     """The line through ``point`` along ``tangent`` (of any length but 0), with the fluid on the left of it.
 
     ``length`` is its period [length], which points on it need. ValueError where the tangent has no direction.
@@ -25,7 +25,7 @@ class Line:
     smallest_radius: ClassVar[float] = math.inf
     convex_radius: ClassVar[float] = math.inf
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         size = math.hypot(*self.tangent)
         if not 0 < size < math.inf:
             raise ValueError(f"a straight wall needs a tangent with a direction, not {self.tangent}")
@@ -35,31 +35,27 @@ class Line:
         object.__setattr__(self, "tangent", (self.tangent[0] / size, self.tangent[1] / size))
 
     @property
-    def normal(self):
+    def normal(self) -> np.ndarray:
         """Normal (2,) into the fluid."""
         return np.array([-self.tangent[1], self.tangent[0]])
 
     @property
-    def extent(self):
+    def extent(self) -> np.ndarray:
         """Lowest and highest corner (2, 2) of one period, from ``point`` on."""
         ahead = [0.0 if part == 0 else part * self.length for part in self.tangent]
         ends = np.add(self.point, [[0.0, 0.0], ahead])
         return np.stack([ends.min(axis=0), ends.max(axis=0)])
 
-    def nearest(self, points):
-        """Nearest points of the wall to ``points`` (n, 2), a ``ClosestPoint``."""
+    def nearest(self, points: np.ndarray) -> ClosestPoint:
+        """Return the closest points of the wall to ``points`` (n, 2)."""
         away = np.asarray(points, dtype=float) - self.point
         normal = np.tile(self.normal, (len(away), 1))
         distance = away @ self.normal
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
         return ClosestPoint(point, normal, np.zeros(len(away)), distance)
 
-    def images(self, points, cutoff):
-        """Mirror images (k, 2) of those of ``points`` (n, 2) that are within ``cutoff``, and whose (k,) they are."""
-        return mirrored(self, points, cutoff)
-
-    def boundary_points(self, spacing):
-        """Points of one period, half a spacing and more from ``point``; ValueError for a line without a period."""
+    def boundary_points(self, spacing: float) -> Boundary:
+        """Return points of one period, half a spacing from its ends; ValueError for a line without a period."""
         if not math.isfinite(self.length):
             raise ValueError("points on a straight wall need its period: give it a length")
         along = evenly(self.length, spacing)

@@ -1,39 +1,43 @@
-"""Particles that fill a region evenly: a lattice, relaxed to the walls, and shaken where wanted.
+"""Particles that fill a region evenly: a lattice, relaxed to the walls, and jittered on request; circles at random.
 
 Relaxing moves every particle down the gradient of the particles' density (Fick's law: S. J. Lind et al., J. Comput.
-Phys. 231 (2012) 1499-1523), in which the mirror images of the particles behind the walls count: the first
-layer comes to rest about half a spacing from a wall (0.46 to 0.52 on average, as the rows pack).
+Phys. 231 (2012) 1499-1523). The mirror images of the particles behind the walls count: the first layer comes to rest
+about half a spacing from a wall (0.46 to 0.52 on average, as the rows pack).
 
-Circles at random places keep apart from one another and from walls. They are put in one after another, the largest
-first, each where it is drawn to lie free (random sequential addition: B. Widom, J. Chem. Phys. 44 (1966) 3888-3894).
-Circles of one size block one another at an area fraction of 0.547 (E. L. Hinrichsen, J. Feder and T. Jossang, J. Stat.
-Phys. 44 (1986) 793-827), gaps and the places between them counted as theirs. What this cannot place starts at any
-places, and circles that are too close push one another apart.
+Circles at random places have gaps between one another and to walls. They are added one after another, the largest
+first, each at a random free place (random sequential addition: B. Widom, J. Chem. Phys. 44 (1966) 3888-3894). Circles
+of one size block one another at an area fraction of 0.547, gaps included (E. L. Hinrichsen, J. Feder and T. Jossang, J.
+Stat. Phys. 44 (1986) 793-827). Where no free place is left, all circles start at random places and push one another
+apart.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
-from tisph.geometry.region import nearest_image
+from tisph.geometry.region import Region, nearest_image
 
 DRAWS = 500
-"""Places that are drawn for a circle, of which the first free one is taken."""
+"""Random places tried for a circle; it gets the first free one."""
 
 STARTS, PUSHES = 4, 500
-"""How often circles start to push one another apart, and how often they push."""
+"""Starts from random places from which circles push one another apart, and pushes per start."""
 
 DENSEST = np.pi / 12**0.5
-"""Area fraction of circles of one size that touch six others (A. Thue, 1910): of no others more is ever found."""
+"""Area fraction of circles of one size that touch six others (A. Thue, 1910); mixtures are not packed more densely."""
 
 MARGIN = 1e-3
-"""Part of the smallest radius by which circles are pushed farther apart than they need, so that pushing ends."""
+"""Part of the smallest radius by which circles are pushed farther apart than necessary, so that pushing ends."""
 
 
-def random_centres(radii, region, gap=0.0, seed=0):
-    """Centres (n, 2) of circles of ``radii`` (n,) [length] in the ``Region``, the same ones for a ``seed``.
+def random_centres(
+    radii: Sequence[float] | np.ndarray, region: Region, gap: float = 0.0, seed: int = 0
+) -> np.ndarray | None:
+    """Return centres (n, 2) of circles of ``radii`` (n,) [length] in ``region``, the same for the same ``seed``.
 
     Circles, their periodic copies and walls are ``gap`` [length] apart or more. None where no such places are found:
-    with half the gap around each counted as its own, 30 circles of one size find places up to an area fraction of about
-    0.75 in a periodic cell, and of 0.7 between walls ten radii apart.
+    with half the gap added to each radius, 30 circles of one size find places up to an area fraction of about 0.75 in a
+    periodic cell, and of 0.7 between walls ten radii apart.
     """
     radii, generator = np.asarray(radii, dtype=float), np.random.default_rng(seed)
     largest = radii.max(initial=0.0)
@@ -48,18 +52,18 @@ def random_centres(radii, region, gap=0.0, seed=0):
     return centres
 
 
-def _drawn(region, count, generator):
+def _drawn(region: Region, count: int, generator: np.random.Generator) -> np.ndarray:
     return region.low + region.size * generator.uniform(size=(count, 2))
 
 
-def _apart(region, one, other):
-    """Vectors (n, m, 2) to places ``one`` (n, 2) from the nearest copies of ``other`` (m, 2)."""
+def _apart(region: Region, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return vectors (n, m, 2) to places ``one`` (n, 2) from the nearest copies of ``other`` (m, 2)."""
     return nearest_image(one[:, None] - other, region.periods)
 
 
-def _added(radii, region, gap, generator):
-    """Centres by random sequential addition, None where a circle finds no place."""
-    centres, placed = np.empty((len(radii), 2)), []
+def _added(radii: np.ndarray, region: Region, gap: float, generator: np.random.Generator) -> np.ndarray | None:
+    """Return centres (n, 2) by random sequential addition; None where a circle finds no place."""
+    centres, placed = np.empty((len(radii), 2)), list[int]()
     for index in np.argsort(-radii, kind="stable"):
         places = _drawn(region, DRAWS, generator)
         distances = np.linalg.norm(_apart(region, places, centres[placed]), axis=-1) - radii[placed] - radii[index]
@@ -71,8 +75,8 @@ def _added(radii, region, gap, generator):
     return centres
 
 
-def _pushed_apart(radii, region, gap, generator):
-    """Centres of circles that start anywhere, None where they are still too close after all sweeps."""
+def _pushed_apart(radii: np.ndarray, region: Region, gap: float, generator: np.random.Generator) -> np.ndarray | None:
+    """Return centres (n, 2) by pushing circles apart from random places; None where ``PUSHES`` do not suffice."""
     wanted, margin = radii + radii[:, None] + gap, MARGIN * radii.min()
     np.fill_diagonal(wanted, -margin)
     centres = _drawn(region, len(radii), generator)
@@ -89,24 +93,22 @@ def _pushed_apart(radii, region, gap, generator):
 
 
 REACH = 2.0
-"""Radius, in spacings, of the kernel (Wendland C2) by which the density is taken."""
+"""Radius, in spacings, of the kernel (Wendland C2) of the density."""
 
 DIFFUSION = 0.25
-"""Share of spacing^2 times the gradient of the density, in particles per spacing^2, that a sweep moves a particle."""
+"""Displacement of a particle in a sweep over spacing^2 times the gradient of the density, 1 for an even lattice."""
 
 SWEEPS = 30
 SWEEPS_AFTER_JITTER = 2
 LEAST_DISTANCE = 0.25
-"""From walls, in spacings, that no particle goes below."""
+"""Least distance of a particle from walls, in spacings."""
 
 
-def pack(region, spacing, jitter=0.0, seed=0):
-    """Places (n, 2) of particles that fill ``region``, n the whole number nearest to area / spacing^2.
+def pack(region: Region, spacing: float, jitter: float = 0.0, seed: int = 0) -> np.ndarray:
+    """Return places (n, 2) of particles that fill ``region``, n = area / spacing^2 rounded.
 
-    None is nearer to a wall than a quarter of the spacing.
-
-    ``jitter``: largest random displacement along x and y, in spacings, drawn from ``seed``. ValueError where the
-    lattice has too few places in the region.
+    Their distance from walls is at least a quarter of the spacing. ``jitter``: largest random displacement along x and
+    y, in spacings, drawn from ``seed``. ValueError where the lattice has too few places in the region.
     """
     points = _relaxed(region, _start(region, spacing), spacing, SWEEPS)
     if jitter:
@@ -115,10 +117,10 @@ def pack(region, spacing, jitter=0.0, seed=0):
     return region.wrapped(points)
 
 
-def _start(region, spacing):
-    """Return the places of a lattice that are deepest in the region, as many as its area has room for."""
+def _start(region: Region, spacing: float) -> np.ndarray:
+    """Return the places (n, 2) of a lattice that are deepest in the region, n = area / spacing^2 rounded."""
     wanted = round(region.area / spacing**2)
-    for finer in (0, 1):  # of a side that the spacing does not divide the nearest number of rows may be too small
+    for finer in (0, 1):  # where the spacing does not divide a side, its rounded number of rows may be too small
         counts = np.maximum(1, np.round(region.size / spacing).astype(int)) + finer
         sides = zip(region.low, region.size, counts, strict=True)
         rows = [low + (np.arange(n) + 0.5) * size / n for low, size, n in sides]
@@ -133,15 +135,15 @@ def _start(region, spacing):
     return region.off_walls(lattice[deepest], LEAST_DISTANCE * spacing)
 
 
-def _relaxed(region, points, spacing, sweeps):
+def _relaxed(region: Region, points: np.ndarray, spacing: float, sweeps: int) -> np.ndarray:
     for _ in range(sweeps):
         points = points - DIFFUSION * spacing**2 * _density_gradient(region, points, spacing)
         points = region.off_walls(points, LEAST_DISTANCE * spacing)
     return points
 
 
-def _density_gradient(region, points, spacing):
-    """Gradient (n, 2) of the density, 1 where particles are ``spacing`` apart, of the particles and their images."""
+def _density_gradient(region: Region, points: np.ndarray, spacing: float) -> np.ndarray:
+    """Return the gradient (n, 2) of the density of particles and images, normalised to 1 for ``spacing``."""
     from scipy.spatial import cKDTree
 
     radius = REACH * spacing

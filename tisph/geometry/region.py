@@ -1,9 +1,10 @@
-"""The fluid's region, what bodies and walls leave of a cell, and the box in which particles are searched.
+"""The region of the fluid between bodies and walls of a cell, and the box in which neighbours are searched.
 
-The cell may be periodic in either direction; the box is whole spacings wide and high, and periodic whatever is in it.
+The cell may be periodic in either direction; the box is whole spacings wide and high, and always periodic.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,26 +22,32 @@ class Box:
     origin: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def length(self):
+    def length(self) -> float:
         """Period along x."""
         return self.columns * self.spacing
 
     @property
-    def height(self):
+    def height(self) -> float:
         """Period along y."""
         return self.rows * self.spacing
 
-    def places(self, position):
-        """Places x and y (n,) in the box of ``position`` (n, 2), from its lowest corner on."""
+    def places(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return x and y (n,) of ``position`` (n, 2), measured from the lowest corner and wrapped, in the box."""
         return position[:, 0] % self.length + self.origin[0], position[:, 1] % self.height + self.origin[1]
 
 
-def box_around(corners, spacing, periodic, margin, axisymmetric=False):
-    """Box of a region from the lowest to the highest of its ``corners`` (2, 2), which is ``periodic`` (2,) or not.
+def box_around(
+    corners: Sequence[Sequence[float]] | np.ndarray,
+    spacing: float,
+    periodic: Sequence[bool],
+    margin: float,
+    axisymmetric: bool = False,
+) -> Box:
+    """Return the box of a region from the lowest to the highest of its ``corners`` (2, 2), ``periodic`` (2,) or not.
 
-    Where it is not, the box goes on beyond it by the ``margin`` or a little more: what lies at one end has then nothing
-    to do with what lies at the other. ``axisymmetric``: y is the distance from an axis, and nothing is beyond that; by
-    what the box does not go on there, it goes on above.
+    Along an axis without a period the box extends beyond the region by the ``margin`` or a little more, so that its
+    two ends do not interact. In ``axisymmetric`` flow y is the distance from an axis, and the box does not extend below
+    the axis; it extends by as much more above.
     """
     low, high = np.asarray(corners, dtype=float)
     ahead = [0.0 if closed else margin for closed in periodic]
@@ -54,24 +61,24 @@ def box_around(corners, spacing, periodic, margin, axisymmetric=False):
     return Box(columns=columns, rows=rows, spacing=spacing, origin=tuple(origin.tolist()))
 
 
-def nearest_image(difference, period):
-    """``difference`` of places to the nearest periodic copy; the ``period`` [length] is 0 along axes without one."""
+def nearest_image(difference: np.ndarray, period: float | Sequence[float] | np.ndarray) -> np.ndarray:
+    """Return the ``difference`` to the nearest periodic copy; ``period`` [length] is 0 along axes without one."""
     period = np.asarray(period)
     return difference - period * np.round(difference / np.where(period > 0, period, math.inf))
 
 
 PUSHES = 4
-"""Rounds at most in which places are moved off walls: in a corner one wall may push towards the other."""
+"""Most rounds in which places are moved off walls: in a corner one wall may push towards the other."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """What ``bodies`` leave of the cell from ``low`` to ``high`` (2,), which goes on where it is ``periodic`` (2,).
+    """The fluid between ``bodies`` in the cell from ``low`` to ``high`` (2,), ``periodic`` (2,) along x and y or not.
 
     Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
-    Everything is taken at t = 0. In ``axisymmetric`` flow it is in the half-plane above the axis y = 0, which is among
-    the ``bodies`` where the fluid reaches it: of a closed curve on both sides of the axis half is in it. ValueError
-    where a body in the fluid has not the periods of the cell.
+    All bodies are at their places at t = 0. In ``axisymmetric`` flow the region is in the half-plane above y = 0. The
+    axis is among the ``bodies`` where the fluid reaches it; half of a closed curve on both sides of it counts.
+    ValueError where a body in the fluid does not have the periods of the cell.
     """
 
     bodies: tuple[Body, ...]
@@ -80,56 +87,53 @@ class Region:
     periodic: tuple[bool, bool] = (False, False)
     axisymmetric: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         periods = tuple(np.where(self.periodic, self.size, math.inf).tolist())
         for body in self.bodies:
-            if body.shape.area and body.shape.fluid_side == "outside" and tuple(body.periods) != periods:
+            if body.in_fluid and tuple(body.periods) != periods:
                 raise ValueError(f"a body in a cell of periods {periods} needs the same ones, not {body.periods}")
 
     @property
-    def size(self):
+    def size(self) -> np.ndarray:
         """Width and height (2,) of the cell."""
         return np.subtract(self.high, self.low)
 
     @property
-    def periods(self):
+    def periods(self) -> np.ndarray:
         """Periods (2,) of the cell, 0 along axes that are not periodic."""
         return np.where(self.periodic, self.size, 0.0)
 
     @property
-    def area(self):
+    def area(self) -> float:
         """Area of the fluid."""
         if all(self.periodic):
             area = float(np.prod(self.size))
         else:
-            # by Gauss the sum of length times distance, from any one point, of lines is the area of a strip between
-            # two, and twice that of a box between four
+            # by Gauss: over straight walls, the sum of length times distance from any one point is the area of a strip
+            # between two of them, and twice the area of a box between four
             lines = [body for body in self.bodies if not body.shape.area]
             area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
             area /= 2 - sum(self.periodic)
-        return area + sum(self._signed_area(body) for body in self.bodies)
+        closed = [0.5 if self.axisymmetric and body.crosses_axis else 1.0 for body in self.bodies]
+        signs = [1 if body.shape.fluid_side == "inside" else -1 for body in self.bodies]
+        return area + sum(c * body.shape.area * s for c, body, s in zip(closed, self.bodies, signs, strict=True))
 
-    def _signed_area(self, body):
-        """Area that a closed wall adds to the fluid's, negative where it takes it away."""
-        share = 0.5 if self.axisymmetric and body.crosses_axis else 1.0
-        return share * body.shape.area * (1 if body.shape.fluid_side == "inside" else -1)
-
-    def distance(self, points):
-        """Distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the fluid."""
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Return distances (n,) of ``points`` (n, 2) from the nearest wall, negative outside the fluid."""
         none = np.full(len(points), math.inf)
         return np.min([none, *(body.nearest(points).distance for body in self.bodies)], axis=0)
 
-    def images(self, points, cutoff):
-        """Mirror images (k, 2), behind the walls, of those of ``points`` (n, 2) that are within ``cutoff`` of one."""
+    def images(self, points: np.ndarray, cutoff: float) -> np.ndarray:
+        """Return mirror images (k, 2), behind the walls, of the ``points`` (n, 2) within ``cutoff`` of a wall."""
         return np.concatenate([np.empty((0, 2)), *(body.images(points, cutoff)[0] for body in self.bodies)])
 
-    def wrapped(self, points):
-        """``points`` (n, 2) moved by whole periods into the cell."""
+    def wrapped(self, points: np.ndarray) -> np.ndarray:
+        """Return ``points`` (n, 2) moved by whole periods into the cell."""
         cells = np.floor((points - self.low) / self.size)
         return points - np.where(self.periodic, cells * self.size, 0.0)
 
-    def off_walls(self, points, least):
-        """``points`` (n, 2), those nearer to a wall than ``least`` (n,) or one, moved along its normal that far off."""
+    def off_walls(self, points: np.ndarray, least: float | np.ndarray) -> np.ndarray:
+        """Return ``points`` (n, 2), moved along normals of walls to distances of at least ``least``, one or (n,)."""
         points, which = points.copy(), np.arange(len(points))
         least = np.broadcast_to(least, len(points))
         for _ in range(PUSHES):

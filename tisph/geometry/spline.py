@@ -1,12 +1,13 @@
-"""Closed smooth curve through given points: a periodic spline of fifth degree, so that its curvature is smooth too.
+"""Closed smooth curve through given points: a periodic spline of fifth degree, whose curvature is smooth, too.
 
-Its parameter is the length of the chords from point to point. Through n even points of a smooth curve it is off by the
-sixth power of their distance, its curvature by the fourth.
+Its parameter is the length of the chords from point to point. For evenly spaced points of a smooth curve the error
+falls with the sixth power of their distance, the error of the curvature with the fourth.
 """
 
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +15,13 @@ from tisph.geometry.shape import ClosedCurve, ClosestPoint, Side, check_side, ch
 
 DEGREE = 5
 SAMPLES = 16
-"""Of a piece between two points, at least, where nearest points are looked for and crossings are."""
+"""Least number of samples between two points, for the search for closest points and crossings."""
 
 LARGEST_TURN, HALVINGS = 0.2, 8
-"""Radians from sample to sample, above which there is one more between them, this often at most."""
+"""Largest turn [radians] from sample to sample, and most halvings of a piece to achieve it."""
 
 NEWTON_STEPS = 60
-"""At most; from a sample next to the nearest point 4 or 5 do, save near a centre of curvature."""
+"""Most iterations; 4 or 5 suffice from the nearest sample, except near a centre of curvature."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Spline(ClosedCurve):
     points: tuple[tuple[float, float], ...]
     fluid_side: Side = "outside"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check_side(self.fluid_side)
         points = checked_points(self.points, "curve", "points")
         if not (np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1) > 0).all():
@@ -43,54 +44,55 @@ class Spline(ClosedCurve):
         if place is not None:
             x, y = place
             raise ValueError(f"the curve meets itself near ({x:.6g}, {y:.6g}): give points in order, or more of them")
-        if self._area < 0:
+        if self.area < 0:
             object.__setattr__(self, "points", self.points[::-1])
             for name in ("_knots", "_curve", "_samples", "_nodes", "_arc"):
                 self.__dict__.pop(name, None)
 
     @property
-    def length(self):
+    def length(self) -> float:
         """Perimeter."""
         return float(self._arc[-1])
 
     @property
-    def extent(self):
+    def extent(self) -> np.ndarray:
         """Lowest and highest corner (2, 2) of the box around samples of the curve."""
         places = self._samples[1]
         return np.stack([places.min(axis=0), places.max(axis=0)])
 
     @property
-    def smallest_radius(self):
+    def smallest_radius(self) -> float:
         """Smallest radius of curvature of samples of the curve."""
         return float(1 / np.abs(self._normals(self._samples[0])[1]).max())
 
     @property
-    def convex_radius(self):
-        """Smallest radius of curvature of those samples at which the curve bulges into the fluid."""
+    def convex_radius(self) -> float:
+        """Smallest radius of curvature of samples where the curve bulges into the fluid."""
         largest = ((1.0 if self.fluid_side == "outside" else -1.0) * self._normals(self._samples[0])[1]).max()
         return float(1 / largest) if largest > 0 else math.inf
 
     @property
-    def _area(self):
+    def area(self) -> float:
+        """Enclosed area."""
         parameter, weight = self._nodes
         place, slope = self._curve(parameter), self._curve(parameter, 1)
         return float(0.5 * np.sum(weight * _cross(place, slope)))
 
     @cached_property
-    def _knots(self):
+    def _knots(self) -> np.ndarray:
         closed = np.array([*self.points, self.points[0]])
         return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(closed, axis=0), axis=1))])
 
     @cached_property
-    def _curve(self):
-        """The spline: places (n, 2) of parameters (n,), and their derivatives."""
+    def _curve(self) -> Any:
+        """The spline: places (n, 2) at parameters (n,), and their derivatives."""
         from scipy.interpolate import make_interp_spline
 
         closed = np.array([*self.points, self.points[0]])
         return make_interp_spline(self._knots, closed, k=DEGREE, bc_type="periodic")
 
     @cached_property
-    def _samples(self):
+    def _samples(self) -> tuple[np.ndarray, np.ndarray]:
         """Parameters (m,) and places (m, 2), closer together where the curve bends."""
         parts = np.arange(SAMPLES) / SAMPLES
         parameter = (self._knots[:-1, None] + parts * np.diff(self._knots)[:, None]).ravel()
@@ -102,33 +104,33 @@ class Spline(ClosedCurve):
         return parameter, self._curve(parameter)
 
     @cached_property
-    def _nodes(self):
+    def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """Parameters and weights (k, 16) of Gauss and Legendre between the points."""
         node, weight = np.polynomial.legendre.leggauss(SAMPLES)
         half = 0.5 * np.diff(self._knots)[:, None]
         return self._knots[:-1, None] + half * (1 + node), half * weight
 
     @cached_property
-    def _arc(self):
+    def _arc(self) -> np.ndarray:
         """Arc length (k + 1,) up to the points."""
         parameter, weight = self._nodes
         speed = np.linalg.norm(self._curve(parameter, 1), axis=-1)
         return np.concatenate([[0.0], np.cumsum(np.sum(weight * speed, axis=1))])
 
-    def _normals(self, parameter):
+    def _normals(self, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return normals (n, 2) for fluid outside and curvatures (n,) at parameters (n,)."""
         slope, bend = self._curve(parameter, 1), self._curve(parameter, 2)
         speed = np.linalg.norm(slope, axis=-1)
         return slope[..., ::-1] * [1.0, -1.0] / speed[..., None], _cross(slope, bend) / speed**3
 
-    def _nearest(self, points):
+    def _nearest(self, points: np.ndarray) -> ClosestPoint:
         parameter = self._nearest_parameter(points)
         point, (normal, curvature) = self._curve(parameter), self._normals(parameter)
         distance = np.sum((points - point) * normal, axis=1)
         return ClosestPoint(point, normal, curvature, distance)
 
-    def _nearest_parameter(self, points):
-        """Newton's method for (c - p).c' = 0 from the nearest sample, halving where it would leave its bracket."""
+    def _nearest_parameter(self, points: np.ndarray) -> np.ndarray:
+        """Solve (c - p).c' = 0 by Newton's method from the nearest sample, bisecting where it leaves its bracket."""
         parameter, low, high = self._nearest_sample(points)
         period = self._knots[-1]
         left = np.arange(len(points))
@@ -147,11 +149,11 @@ class Spline(ClosedCurve):
                 break
         return parameter % period
 
-    def _nearest_sample(self, points):
-        """Return the parameters (n,) of the sample nearest on the nearest branch, and of those before and after it.
+    def _nearest_sample(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the parameters (n,) of the nearest sample of the nearest branch, and of the samples before and after.
 
-        Another branch of the curve may have the nearest sample, and the one after it; hence the chords of four are
-        compared. From there the way goes to the sample that is nearer than its neighbours.
+        The nearest sample may lie on another branch of the curve; therefore the chords of four samples are compared.
+        From the nearest chord the search goes to the sample that is nearer than its neighbours.
         """
         from scipy.spatial import cKDTree
 
@@ -172,14 +174,14 @@ class Spline(ClosedCurve):
         closed = np.concatenate([[parameter[-1] - period], parameter, [period]])
         return closed[sample + 1], closed[sample], closed[sample + 2]
 
-    def _spread(self, spacing):
+    def _spread(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         along = evenly(self.length, spacing, least=3)
         parameter = self._parameter(along)
         normal, curvature = self._normals(parameter)
         return self._curve(parameter), normal, curvature, np.full(len(along), self.length / len(along))
 
-    def _parameter(self, along):
-        """Parameters at arc lengths ``along`` (n,), by Newton's method with the arc length inside a piece by Gauss."""
+    def _parameter(self, along: np.ndarray) -> np.ndarray:
+        """Return parameters at arc lengths ``along`` (n,): Newton's method, with arc lengths by Gauss quadrature."""
         piece = np.searchsorted(self._arc, along, side="right") - 1
         first, size = self._knots[piece], np.diff(self._knots)[piece]
         parameter = first + size * (along - self._arc[piece]) / np.diff(self._arc)[piece]
@@ -195,6 +197,6 @@ class Spline(ClosedCurve):
         return parameter
 
 
-def _cross(one, other):
+def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the cross products (...) of vectors (..., 2)."""
     return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]

@@ -1,44 +1,48 @@
-"""What the particles of a channel show between them and at its walls: velocity at points, shear stress on walls.
+"""Measures of the particles of a channel: velocity at points, and shear stress at walls.
 
 Velocity at a point (X, Y): the coefficients c minimise sum_j w_j (c . b_j - u_j)^2 over the particles j within the
 radius R, with b = (1, X', Y', X'^2, X'Y', Y'^2) of X' = (x_j - X)/R, Y' = (y_j - Y)/R and the Wendland
 weight w = (1 - q)^4 (1 + 4 q), q = |(X', Y')|; the value is c_0. It is exact for velocity fields up to
-quadratic, wherever the particles are and also next to a wall: a linear basis would leave an error of u_yy
-R^2/29 in a curved profile, which is more than the error of the flow that it should measure. The radius is fixed, where
-``fits`` takes the nearest particles, so that points on a wall have as narrow a fit as others.
+quadratic, for all positions of the particles and also next to a wall: a linear basis would leave an error of u_yy
+R^2/29 in a curved profile, which exceeds the error of the flow. The radius is fixed, while ``fits`` uses the nearest
+particles, so that points on a wall have as narrow a fit as others.
 
 Shear stress at a wall: with d the distance from the wall, u - u_wall = a d + b d^2 + c d^3 + e d^4 is fitted by
 weighted least squares to the particles within R = 5 spacings, weight (1 - d/R)^2 (1 + 2 d/R); u_wall is the velocity of
-the wall at that time. The solvent's stress is +-mu_s a. The polymer's stress is S_xy at d = 0 in a parabola fitted in
-the same way to the same particles. Nothing is assumed of the curvature at the wall, which a body acceleration, an
-accelerating wall and a polymer give the profile. For exact fields the errors fall with the fourth (a) and third (S_xy)
+the wall at that time. The solvent stress is +-mu_s a. The polymer stress is S_xy at d = 0 in a parabola fitted in
+the same way to the same particles. Nothing is assumed of the curvature at the wall, which depends on a body
+acceleration, an accelerating wall and a polymer. For exact fields the errors fall with the fourth (a) and third (S_xy)
 power of the spacing.
 
 The quartic term is for thin layers: without it the error is of third order where u_yyyy differs from 0 at the wall,
 and 0.7 % next to an oscillating wall with five spacings in its penetration depth; with it, less than 0.1 %. For S_xy
-one term more would lower an error of 0.01 % that is not felt, and treble the weight of the row next to the wall, in
-which an impulsive start leaves its largest error.
+one term more would lower an imperceptible error of 0.01 %, and treble the weight of the row next to the wall, in which
+an impulsive start has its largest error.
 
 Source: P. Lancaster and K. Salkauskas, Math. Comput. 37 (1981) 141-158; weight: H. Wendland, Adv. Comput.
 Math. 4 (1995) 389-396.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from tisph.geometry.region import nearest_image
+from tisph.snapshot import Snapshot
 
 PROBE_RADIUS = 3.0
 """Radius R in particle spacings: 28 particles, and 14 in three rows for a point on a wall; 6 are needed."""
 
 
 class Probes:
-    """Fixed points that read the velocity along x from the particles around them.
+    """Fixed points at which the velocity along x is interpolated from the particles around them.
 
     ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x. Only particles within ``half_width``
-    of ``centre`` along x count.
+    of ``centre`` along x are used.
     """
 
-    def __init__(self, channel, x, y):
+    def __init__(self, channel: Any, x: np.ndarray, y: np.ndarray):
         self.x = np.asarray(x, dtype=float)
         self.y = np.asarray(y, dtype=float)
         self._length = channel.length
@@ -46,19 +50,19 @@ class Probes:
         self.centre = 0.5 * (self.x.min() + self.x.max())
         self.half_width = 0.5 * np.ptp(self.x) + self._radius
 
-    def velocity(self, snapshot):
-        """Velocity along x at the points, shape (points,); NaN where no particle is within the radius."""
+    def velocity(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the velocity along x at the points (points,); NaN where no particle is within the radius."""
         near = np.abs(nearest_image(snapshot.x - self.centre, self._length)) < self.half_width
         near &= snapshot.y > self.y.min() - self._radius
         near &= snapshot.y < self.y.max() + self._radius
         when = np.zeros(np.count_nonzero(near), dtype=int)
         return self.velocities(1, when, snapshot.x[near], snapshot.y[near], snapshot.u[near])[0]
 
-    def velocities(self, times, when, x, y, u):
-        """Velocities along x at the points at several ``times`` (their number), shape (times, points).
+    def velocities(self, times: int, when: np.ndarray, x: np.ndarray, y: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return velocities along x at the points at several ``times`` (their number), shape (times, points).
 
-        ``x``, ``y`` and ``u``, flat, are particles around ``centre``, within ``half_width`` at least; ``when``
-        (ascending) is the time at which each is seen.
+        ``x``, ``y`` and ``u``, flat, are the particles within at least ``half_width`` of ``centre``; ``when``
+        (ascending) is the index of the time of each.
         """
         particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
         along = nearest_image(x[particle] - self.x[point], self._length) / self._radius
@@ -77,35 +81,32 @@ class Probes:
         values = np.full((times, self.x.size), np.nan)
         if found.size:
             moments = np.add.reduceat(weighted[:, :, None] * basis[:, None, :], first)
-            values.flat[found] = _solved(moments, np.add.reduceat(weighted * u[particle, None], first))
+            sums = np.add.reduceat(weighted * u[particle, None], first)
+            try:
+                values.flat[found] = np.linalg.solve(moments, sums[..., None])[:, 0, 0]
+            except np.linalg.LinAlgError:  # a void in a diverging flow gives a value instead of an exception
+                inverse = np.linalg.pinv(moments, rcond=1e-12, hermitian=True)
+                values.flat[found] = (inverse @ sums[..., None])[:, 0, 0]
         return values
 
 
-def _solved(moments, sums):
-    """First of the coefficients of each fit: of ``moments`` (fits, 6, 6) c = ``sums`` (fits, 6)."""
-    try:
-        return np.linalg.solve(moments, sums[..., None])[:, 0, 0]
-    except np.linalg.LinAlgError:  # a void in a flow that goes wrong shall give a value and not an exception
-        return (np.linalg.pinv(moments, rcond=1e-12, hermitian=True) @ sums[..., None])[:, 0, 0]
-
-
-def interpolate(snapshot, channel, x, y):
-    """Velocity along x at the points (``x``, ``y``), arrays of one shape (points,). See ``Probes``."""
+def interpolate(snapshot: Snapshot, channel: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return the velocity along x at the points (``x``, ``y``), arrays of one shape (points,). See ``Probes``."""
     return Probes(channel, x, y).velocity(snapshot)
 
 
 WALL_RADIUS = 5.0
-"""Radius R in particle spacings: five rows of particles for four coefficients at most."""
+"""Radius R in particle spacings: five rows of particles for at most four coefficients."""
 
 SLIP_POWERS = np.array([1, 2, 3, 4])
 STRESS_POWERS = np.array([0, 1, 2])
 FREE_POWERS = np.array([0, 1, 2, 3, 4])
 
 
-def wall_shear(channel, snapshot):
-    """Shear stress (bottom, top) that the particles show, averaged along the walls [mass/(length time^2)].
+def wall_shear(channel: Any, snapshot: Snapshot) -> tuple[float, float]:
+    """Return the shear stress (bottom, top) of the particles, averaged along the walls [mass/(length time^2)].
 
-    It is the total one, density * solvent viscosity * du/dy + S_xy.
+    It is the total stress, density * solvent viscosity * du/dy + S_xy.
     """
     t = snapshot.t
     bottom, top = snapshot.y, channel.gap - snapshot.y
@@ -114,17 +115,15 @@ def wall_shear(channel, snapshot):
     solvent = channel.viscous_stress(rate_bottom), channel.viscous_stress(rate_top)
     if channel.polymer is None:
         return solvent
-    return tuple(
-        stress + _coefficients(channel, distance, snapshot.stress_xy, STRESS_POWERS)[0]
-        for stress, distance in zip(solvent, (bottom, top), strict=True)
-    )
+    polymer = [_coefficients(channel, distance, snapshot.stress_xy, STRESS_POWERS)[0] for distance in (bottom, top)]
+    return solvent[0] + polymer[0], solvent[1] + polymer[1]
 
 
-def wall_shear_error(sample):
-    """Error of the wall shear in a sample's numbers: the larger one of the two walls, relative; None without one.
+def wall_shear_error(sample: Mapping[str, Any]) -> float | None:
+    """Return the larger relative error of the wall shear at the two walls, from a sample's numbers; None without one.
 
-    Both are taken relative to the larger of the two exact stresses. A wall that the flow has not reached yet has
-    a stress of next to nothing, and a ratio to that would tell nothing about the forces on the channel.
+    Both errors are relative to the larger of the two exact stresses, since the stress at a wall that the flow has not
+    reached yet is nearly 0.
     """
     names = ("wall_shear_bottom", "wall_shear_top")
     numbers = [sample[name + ending] for name in names for ending in ("", "_exact")]
@@ -135,26 +134,26 @@ def wall_shear_error(sample):
     return max(abs(bottom - bottom_exact), abs(top - top_exact)) / scale if scale > 0 else None
 
 
-def wall_velocity(channel, side, snapshot):
-    """Velocity of the bottom (``side`` 0) or top wall (1) that the particles show, where it is not given."""
+def wall_velocity(channel: Any, side: int, snapshot: Snapshot) -> float:
+    """Return the velocity of the bottom (``side`` 0) or top wall (1) by the particles, where it is not given."""
     distance = channel.gap - snapshot.y if side else snapshot.y
     return _coefficients(channel, distance, snapshot.u, FREE_POWERS)[0]
 
 
-def _rate(channel, distance, wall, velocity, t):
-    """Velocity gradient away from a wall; at a stress-controlled wall its velocity is that of the particles."""
+def _rate(channel: Any, distance: np.ndarray, wall: Any, velocity: np.ndarray, t: float) -> float:
+    """Return the velocity gradient away from a wall; a stress-controlled wall has the velocity of the particles."""
     if wall.stress_controlled:
         return _coefficients(channel, distance, velocity, FREE_POWERS)[1] / (WALL_RADIUS * channel.spacing)
     return _slope(channel, distance, velocity - wall.velocity(t))
 
 
-def _slope(channel, distance, slip):
-    """Slope a at distance 0 of ``slip``, the velocity relative to the wall."""
+def _slope(channel: Any, distance: np.ndarray, slip: np.ndarray) -> float:
+    """Return the slope a at distance 0 of ``slip``, the velocity relative to the wall."""
     return _coefficients(channel, distance, slip, SLIP_POWERS)[0] / (WALL_RADIUS * channel.spacing)
 
 
-def _coefficients(channel, distance, values, powers):
-    """Least-squares coefficients of the ``powers`` of distance/radius."""
+def _coefficients(channel: Any, distance: np.ndarray, values: Any, powers: np.ndarray) -> np.ndarray:
+    """Return the least-squares coefficients of the ``powers`` of distance/radius for ``values`` (particles,)."""
     radius = WALL_RADIUS * channel.spacing
     near = distance < radius
     fraction = distance[near] / radius
@@ -163,8 +162,8 @@ def _coefficients(channel, distance, values, powers):
     return np.linalg.lstsq(basis, root_weight * values[near], rcond=None)[0]
 
 
-def integral(times, velocities):
+def integral(times: np.ndarray, velocities: np.ndarray) -> np.ndarray:
     """Return the integral from the first of ``times`` to each of them, by a smooth curve through ``velocities``."""
-    from scipy.interpolate import PchipInterpolator  # of no use to most runs
+    from scipy.interpolate import PchipInterpolator  # few runs need it
 
     return PchipInterpolator(times, velocities).antiderivative()(times) if len(times) > 1 else np.zeros(len(times))

@@ -1,57 +1,73 @@
 """Fields between the particles of a box and at them, by moving least squares; how evenly the particles fill the box.
 
-Around a point a polynomial of degree n in (x - X, y - Y)/R is fitted to the values at its nearest particles by weighted
-least squares, weight (1 - q)^4 (1 + 4 q) of the distance q over R, the distance of the farthest of them: exact for
-fields that are polynomials of degree n, wherever the particles are. No scheme has a part in it, so it can judge all.
+Around a point (X, Y) a polynomial of degree n in (x - X, y - Y)/R is fitted to the values at its nearest particles by
+weighted least squares, with the weight (1 - q)^4 (1 + 4 q) of the distance q over R, the distance of the farthest of
+them. It is exact for polynomials of degree n, for all positions of the particles. No scheme uses these fits, so that
+they can judge all schemes.
 
 Velocity gradients are the linear coefficients of such fits around the particles; their errors fall with the n-th power
 of the spacing. The mean velocity over a cell with bodies is an integral over values between the particles. The mean
-over the particles is no good measure: where walls have them a twentieth of a spacing farther off than half a
-spacing, it is too large by some 1e-3 although the velocities themselves are right to 1e-4.
+over the particles is less accurate: where the first particles are a twentieth of a spacing too far from the walls, it
+is too large by some 1e-3, while the velocities are correct to 1e-4.
 
 Stokes' stream function of axisymmetric flow, u = (1/r) dpsi/dr and v = -(1/r) dpsi/dx with r the distance from the
-axis, is the integral of u r over r from the inner wall, or the axis, where it is 0: 2 pi psi flows through the
-cross-section up to r. u is fitted at the nodes of a grid as fine as the particles; within bodies it is their velocity,
-so that the integral continues behind them.
+axis, is the integral of u r over r from the inner wall, or the axis, where it is 0: 2 pi psi is the flow rate through
+the cross-section up to r. u is fitted at the nodes of a grid as fine as the particles; within bodies it is their
+velocity, so that the integral continues behind them.
 
 Sources: P. Lancaster and K. Salkauskas, Math. Comput. 37 (1981) 141-158; weight: H. Wendland, Adv. Comput.
 Math. 4 (1995) 389-396; stream function: G. K. Batchelor, An Introduction to Fluid Dynamics (1967), section 2.2.
 """
 
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from tisph.geometry.region import nearest_image
+from tisph.snapshot import Snapshot
 
 CHUNK = 4096
-"""Points at a time: some tens of megabytes."""
+"""Points that are fitted at a time: some tens of megabytes."""
+
+NEIGHBOURS = {2: 18, 4: 44}
+"""Number of particles of a fit by its degree: three times as many as coefficients, so that it is determined for any
+disorder. Gradients, means and the stream function use these fits."""
 
 PLANE = 6, 56
-"""Degree and nearest particles of values in the plane: twice as many as coefficients. Waves of 25, 35 and 50 particles
-are met to 7e-7, 6e-8 and 5e-9 of their size, a hundredth and less of what any scheme makes of them."""
+"""Degree and number of particles of fits in the plane: twice as many as coefficients. The errors of waves of 25, 35 and
+50 particles are 7e-7, 6e-8 and 5e-9 of their size, at most a hundredth of the errors of any scheme."""
 
 ACROSS = 4, 9
-"""Degree and nearest rows of values that depend on y alone; above degree 4 the fit at a wall is badly conditioned."""
+"""Degree and number of rows of fits in y alone; above degree 4 the fit at a wall is badly conditioned."""
 
 
-def with_walls(scene, snapshot):
-    """Return positions and velocities (n, 2) of the particles, and after them of points on walls a spacing apart."""
+def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions and velocities (n, 2) of the particles, followed by points on walls a spacing apart."""
     scene = scene.seen(snapshot)
     points = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
     walls = [body.velocity(positions, snapshot.t) for body, positions in zip(scene.bodies, points, strict=True)]
-    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-    velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
+    positions, velocity = _particles(snapshot)
     return np.concatenate([positions, *points]), np.concatenate([velocity, *walls])
 
 
-def interpolated(scene, positions, values, points):
-    """Return ``values`` (particles, fields) at ``positions`` (particles, 2) as they are at ``points`` (n, 2).
+def _particles(snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions and velocities (particles, 2) in double precision."""
+    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+    return positions, np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
 
-    An array (n, fields). Where all flow is along x the values are taken to depend on y alone. NaN everywhere where a
-    number is none.
+
+def _finite(*arrays: np.ndarray) -> bool:
+    return all(np.isfinite(array).all() for array in arrays)
+
+
+def interpolated(scene: Any, positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Interpolate ``values`` (particles, fields) at ``positions`` (particles, 2) to ``points`` (n, 2).
+
+    Returns an array (n, fields), NaN where any number is not finite. In parallel flow the values depend on y alone.
     """
-    if not (np.isfinite(values).all() and np.isfinite(positions).all()):
+    if not _finite(values, positions):
         return np.full((len(points), values.shape[1]), np.nan)
     axes = [1] if scene.parallel else [0, 1]
     degree, near = ACROSS if scene.parallel else PLANE
@@ -61,31 +77,26 @@ def interpolated(scene, positions, values, points):
     return np.concatenate([local_fits(tree, part, values, degree, near)[0][:, 0] for part in parts(points)])
 
 
-def parts(points):
-    """Yield ``points`` by ``CHUNK``."""
+def parts(points: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield ``points`` in parts of ``CHUNK``."""
     yield from (points[start : start + CHUNK] for start in range(0, len(points), CHUNK))
 
 
-def local_fits(tree, points, values, degree, near):
-    """Return coefficients (points, terms, fields) of the fits around ``points`` to ``near`` of ``values``, and radii R.
+def local_fits(
+    tree: Any, points: np.ndarray, values: np.ndarray, degree: int, near: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return coefficients (points, terms, fields) of fits around ``points`` to ``near`` of ``values``, and radii R.
 
-    ``tree`` holds the positions of the ``values`` (n, fields). Terms are the constant, x/R, y/R and then the rest.
+    ``tree`` contains the positions of the ``values`` (n, fields). Terms are the constant, x/R, y/R and then the rest.
     """
-    equations, weighted, nearest, radius = _normal_equations(tree, points, degree, near)
+    equations, weighted, nearest, radius = _normal_equations(tree, points, degree, near or NEIGHBOURS[degree])
     return np.linalg.solve(equations, weighted @ values[nearest]), radius
 
 
-def value_weights(tree, points, degree, near):
-    """Return what ``near`` values are multiplied with in the fits at ``points``: weights (points, near), and indices.
-
-    ``tree`` holds the positions of the values.
-    """
-    equations, weighted, nearest, _ = _normal_equations(tree, points, degree, near)
-    return np.linalg.solve(equations, weighted)[:, 0], nearest
-
-
-def _normal_equations(tree, points, degree, near):
-    """Return matrices (points, terms, terms) and (points, terms, near), the ``near`` values, and the radii R."""
+def _normal_equations(
+    tree: Any, points: np.ndarray, degree: int, near: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return matrices (points, terms, terms) and (points, terms, near), indices of the ``near`` values, and radii R."""
     distance, nearest = tree.query(points, near)
     radius = distance[:, -1:]
     offset = nearest_image(tree.data[nearest] - points[:, None], tree.boxsize)
@@ -96,10 +107,10 @@ def _normal_equations(tree, points, degree, near):
     return weighted @ basis.transpose(0, 2, 1), weighted, nearest, radius
 
 
-def periodic_tree(scene, positions, axes=(0, 1)):
-    """Return a search tree of ``positions`` (n, 2) in the box of ``scene``, and the positions as it holds them.
+def periodic_tree(scene: Any, positions: np.ndarray, axes: Sequence[int] = (0, 1)) -> tuple[Any, np.ndarray]:
+    """Return a search tree of ``positions`` (n, 2) in the box of ``scene``, and the positions wrapped into it.
 
-    With one of the ``axes`` alone it is of that coordinate.
+    With one of the ``axes`` it contains that coordinate alone.
     """
     from scipy.spatial import cKDTree  # a fifth of a second to import, which only some runs need
 
@@ -108,16 +119,16 @@ def periodic_tree(scene, positions, axes=(0, 1)):
     return cKDTree(wrapped, boxsize=sizes), wrapped
 
 
-def _sizes(scene, axes):
+def _sizes(scene: Any, axes: list[int]) -> np.ndarray:
     return np.where(scene.periodic, scene.extent, 0.0)[axes]
 
 
-def _wrapped(positions, sizes):
+def _wrapped(positions: np.ndarray, sizes: np.ndarray) -> np.ndarray:
     wrapped = np.where(sizes > 0, positions % np.where(sizes > 0, sizes, 1.0), positions)
-    return np.where((sizes > 0) & (wrapped >= sizes), 0.0, wrapped)  # what is -1e-20 is a whole size after rounding
+    return np.where((sizes > 0) & (wrapped >= sizes), 0.0, wrapped)  # -1e-20 % size is size after rounding
 
 
-def _terms(coordinates, degree):
+def _terms(coordinates: np.ndarray, degree: int) -> list[np.ndarray]:
     """Return the products of powers of one or two ``coordinates`` up to ``degree``: the constant, these, the rest."""
     terms = last = [np.ones_like(coordinates[0])]
     for _ in range(degree):
@@ -127,56 +138,51 @@ def _terms(coordinates, degree):
     return terms
 
 
-NEIGHBOURS = {2: 18, 4: 44}
-"""Nearest particles, by degree: three times as many as coefficients, so that disorder leaves none undetermined."""
-
-
-def velocity_gradients(scene, snapshot, degree=4):
+def velocity_gradients(scene: Any, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
     """Return du/dx, du/dy, dv/dx, dv/dy at the particles, array (4, particles); ``degree`` is 2 or 4.
 
-    NaN everywhere where a number of the snapshot is none.
+    NaN everywhere where any number of the snapshot is not finite.
     """
-    velocity = np.stack([snapshot.u, snapshot.v], axis=1).astype(float)
-    positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
+    positions, velocity = _particles(snapshot)
+    if not _finite(velocity, positions):
         return np.full((4, len(positions)), np.nan)
     tree, positions = periodic_tree(scene, positions)
-    return np.concatenate([_gradients(tree, part, velocity, degree) for part in parts(positions)], axis=1)
+    gradients = []
+    for part in parts(positions):
+        coefficients, radius = local_fits(tree, part, velocity, degree)
+        slopes = coefficients[:, 1:3] / radius[:, :, None]  # (particles, along x or y, u or v)
+        gradients.append(slopes.transpose(2, 1, 0).reshape(4, -1))
+    return np.concatenate(gradients, axis=1)
 
 
-def vorticity(scene, snapshot, degree=4):
-    """Return dv/dx - du/dy at the particles, array (particles,); ``degree`` and NaN as of ``velocity_gradients``."""
+def vorticity(scene: Any, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
+    """Return dv/dx - du/dy at the particles, array (particles,), from ``velocity_gradients``."""
     gradients = velocity_gradients(scene, snapshot, degree)
     return gradients[2] - gradients[1]
 
 
-def _gradients(tree, points, velocity, degree):
-    coefficients, radius = local_fits(tree, points, velocity, degree, NEIGHBOURS[degree])
-    slopes = coefficients[:, 1:3] / radius[:, :, None]  # (particles, along x or y, u or v)
-    return slopes.transpose(2, 1, 0).reshape(4, -1)
-
-
 MARGIN = 4.0
-"""Spacings by which a periodic box is continued: wider than any void of a fluid that has not broken up."""
+"""Spacings by which a periodic box is continued: wider than any void of a coherent fluid."""
 
 
-def min_distance(scene, snapshot):
-    """Smallest distance of two particles over the spacing; 1 on a lattice."""
-    tree, positions = periodic_tree(scene, _positions(snapshot))
+def min_distance(scene: Any, snapshot: Snapshot) -> float:
+    """Return the smallest distance of two particles over the spacing; 1 on a lattice."""
+    tree, positions = periodic_tree(scene, _particles(snapshot)[0])
     return tree.query(positions, 2)[0][:, 1].min() / scene.spacing
 
 
-def max_void_radius(scene, snapshot):
-    """Radius over the spacing of the largest circle in the box without a particle; sqrt(1/2) on a lattice.
+def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
+    """Return the radius over the spacing of the largest circle without a particle; sqrt(1/2) on a lattice.
 
-    Its centre is a corner of the Voronoi cells of the particles. Where the box is not periodic, only circles around
-    centres in between particles count.
+    Its centre is a corner of the Voronoi cells of the particles. Where the box is not periodic, only centres between
+    particles count.
     """
     from scipy.spatial import Voronoi  # a fifth of a second to import, which only some runs need
 
     low, sizes = np.asarray(scene.origin), np.asarray(scene.extent)
     periods = np.where(scene.periodic, sizes, 1.0)
-    positions = np.where(scene.periodic, _positions(snapshot) % periods, _positions(snapshot))
+    particles = _particles(snapshot)[0]
+    positions = np.where(scene.periodic, particles % periods, particles)
     for axis in (0, 1):
         if scene.periodic[axis]:
             copies = [positions + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
@@ -186,65 +192,59 @@ def max_void_radius(scene, snapshot):
     cells = Voronoi(positions)
     within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
     centres = within[scene.seen(snapshot).contains(within, snapshot.t)] if scene.bodies else within
-    tree, _ = periodic_tree(scene, _positions(snapshot))
+    tree, _ = periodic_tree(scene, particles)
     return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
 
 
-def _positions(snapshot):
-    return np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-
-
 MOST_NODES = 1600
-"""At which the velocity is taken: at most, so that a mean costs no more than a step."""
+"""Most nodes of a mean over a cell, so that it costs no more than a step."""
 
-DEGREE, NEAREST = 2, 18
-"""Of the fits at the nodes, whose neighbours are particles and points on walls."""
-
-PRECISE, MOST_ACROSS = (4, 44), 40
-"""The same of the fits in a cross-section, and the nodes in it, if there are no more particles across."""
+NODES_ACROSS = 40
+"""Least number of nodes in a cross-section."""
 
 
-def cell_mean(scene, snapshot):
-    """Mean (2,) of the velocity over the box of ``scene``, in which a body's solid moves as it does.
+def cell_mean(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return the mean (2,) of the velocity over the box of ``scene``, bodies included.
 
-    Over nodes a particle spacing or more apart: those of Gauss and Legendre between walls, where the velocity has a
-    slope at the ends, else of a lattice. NaN where a number of the snapshot is none.
+    The integral has nodes at least a particle spacing apart: Gauss-Legendre nodes between walls, where the velocity has
+    a slope at the ends, else a lattice. NaN where any number of the snapshot is not finite.
     """
     scene = scene.seen(snapshot)
     positions, velocity = with_walls(scene, snapshot)
-    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
+    if not _finite(velocity, positions):
         return np.full(2, np.nan)
     tree, _ = periodic_tree(scene, positions)
     nodes, weights = _nodes(scene)
     feet = np.stack([body.nearest(nodes, snapshot.t).distance for body in scene.bodies])
     values, nearest, in_fluid = np.zeros_like(nodes), np.argmin(feet, axis=0), feet.min(axis=0) > 0.0
     for index, body in enumerate(scene.bodies):
-        within = (nearest == index) & ~in_fluid & bool(body.shape.fluid_side == "outside" and body.shape.area)
+        within = (nearest == index) & ~in_fluid & body.in_fluid
         values[within] = body.velocity(nodes[within], snapshot.t)
-    values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, DEGREE, NEAREST)[0][:, 0]
+    values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, 2)[0][:, 0]
     return weights @ values
 
 
-def section_weights(scene, positions, t):
-    """Weights (n,) of values at ``positions`` in their mean over a cross-section of ``scene``, its ``open_section``.
+def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
+    """Return weights (n,) of values at ``positions`` in their mean over the cross-section ``scene.open_section``.
 
-    ``positions`` (n, 2) are those of particles and of points on walls at time ``t``. In axisymmetric flow the mean is
-    that over the area of the section. NaN where a number is none.
+    ``positions`` (n, 2) are the particles and points on walls at time ``t``. In axisymmetric flow the mean is taken
+    over the area of the section. NaN where any number is not finite.
     """
-    if not np.isfinite(positions).all():
+    if not _finite(positions):
         return np.full(len(positions), np.nan)
     tree, _ = periodic_tree(scene, positions)
-    heights, weights = _rule(max(MOST_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
+    heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
     place = scene.open_section(t) % scene.extent[0]
     nodes = np.stack([np.full_like(heights, place), scene.origin[1] + scene.extent[1] * heights], axis=1)
     if scene.axisymmetric:
         weights = weights * nodes[:, 1] / (weights @ nodes[:, 1])
-    at_nodes, nearest = value_weights(tree, nodes, *PRECISE)
+    equations, weighted, nearest, _ = _normal_equations(tree, nodes, 4, NEIGHBOURS[4])
+    at_nodes = np.linalg.solve(equations, weighted)[:, 0]  # factors of the nearest values in the constant term
     return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), len(positions))
 
 
-def _nodes(scene):
-    """Return the nodes (n, 2) and their weights (n,), which add up to 1."""
+def _nodes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return the nodes (n, 2) of a mean over the cell and their weights (n,), which add up to 1."""
     size = np.asarray(scene.extent)
     counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
     rows = [_rule(int(count), periodic) for count, periodic in zip(counts, scene.periodic, strict=True)]
@@ -253,26 +253,23 @@ def _nodes(scene):
 
 
 @lru_cache
-def _rule(count, periodic):
-    """Return positions (count,) and weights (count,) to integrate over the interval from 0 to 1."""
+def _rule(count: int, periodic: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return nodes (count,) and weights (count,) of the integral over the interval from 0 to 1."""
     if periodic:
         return (np.arange(count) + 0.5) / count, np.full(count, 1.0 / count)
     positions, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * (positions + 1.0), 0.5 * weights
 
 
-_DEGREE, _NEAR = 2, 18  # of the fits, as of gradients that are drawn (``velocity_gradients``)
-
-
-def stream_function(scene, snapshot):
-    """Return psi at the particles, array (particles,) of length^3/time; NaN everywhere where a number is none."""
+def stream_function(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return psi at the particles, array (particles,) of length^3/time; NaN where any number is not finite."""
     from scipy.interpolate import CubicSpline, RectBivariateSpline  # some tenths of a second to import
 
     positions, velocity = with_walls(scene, snapshot)
-    if not (np.isfinite(velocity).all() and np.isfinite(positions).all()):
+    if not _finite(velocity, positions):
         return np.full(len(snapshot.x), np.nan)
     x, r = (
-        np.linspace(low, low + size, 4 + int(size / scene.spacing))  # four at least: cubic splines
+        np.linspace(low, low + size, 4 + int(size / scene.spacing))  # a cubic spline needs four
         for low, size in zip(scene.origin, scene.extent, strict=True)
     )
     u = _velocity(scene, snapshot, positions, velocity, np.stack(np.meshgrid(x, r, indexing="ij"), axis=2))
@@ -280,16 +277,19 @@ def stream_function(scene, snapshot):
     return RectBivariateSpline(x, r, psi).ev(snapshot.x, snapshot.y)
 
 
-def _velocity(scene, snapshot, positions, velocity, nodes):
+def _velocity(
+    scene: Any, snapshot: Snapshot, positions: np.ndarray, velocity: np.ndarray, nodes: np.ndarray
+) -> np.ndarray:
     """Return u (columns, rows) at ``nodes`` (columns, rows, 2); the last column may be a period behind the first."""
     last = len(nodes) - scene.periodic[0]
     points, t = nodes[:last].reshape(-1, 2), snapshot.t
-    tree, u, wet = periodic_tree(scene, positions)[0], np.zeros(len(points)), np.ones(len(points), dtype=bool)
+    tree, wet = periodic_tree(scene, positions)[0], np.ones(len(points), dtype=bool)
+    u: np.ndarray = np.zeros(len(points))
     for body in scene.seen(snapshot).bodies:
         within = body.nearest(points, t).distance < 0.0
         u[within] = body.velocity(points[within], t)[:, 0]
         wet &= ~within
-    fits = [local_fits(tree, part, velocity[:, :1], _DEGREE, _NEAR)[0] for part in parts(points[wet])]
+    fits = [local_fits(tree, part, velocity[:, :1], 2)[0] for part in parts(points[wet])]
     u[wet] = np.concatenate(fits)[:, 0, 0]
     u = u.reshape(nodes[:last].shape[:2])
     return np.concatenate([u, u[: len(nodes) - last]])

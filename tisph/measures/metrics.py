@@ -1,19 +1,19 @@
-"""Error measures of one sample: the numbers of a sample in ``summary.json``.
+"""Error norms of a sample against the reference solution at its particles: its numbers in ``summary.json``."""
 
-The reference solution at the particles of a snapshot, beside what they have.
-"""
-
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from tisph.measures.resolution import resolution
+from tisph.snapshot import Snapshot
 
 
-def with_reference(scene, snapshot, fields=None):
-    """Return ``snapshot`` with its ``reference``: arrays (particles,) of all fields that the scene has one of.
+def with_reference(scene: Any, snapshot: Snapshot, fields: Sequence[str] | None = None) -> Snapshot:
+    """Return ``snapshot`` with its ``reference``: arrays (particles,) of all fields with a reference.
 
-    Of these only ``fields``, where they are given and the snapshot has no reference yet.
+    ``fields`` restricts them, unless the snapshot has a reference already.
     """
     if snapshot.reference is not None:
         return snapshot
@@ -22,49 +22,47 @@ def with_reference(scene, snapshot, fields=None):
 
 
 ROUNDINGS = 4.0
-"""Last digits of the velocity of the frame below which a velocity in it is rest: exact solutions are sums of a few."""
+"""Units in the last place of the frame's velocity below which a velocity in the frame counts as 0."""
 
 
-def sample_metrics(scene, snapshot, series, errors_alone=False):
-    """Compare a snapshot with the reference of its scene at its time.
+def sample_metrics(
+    scene: Any, snapshot: Snapshot, series: tuple[Any, ...], errors_alone: bool = False
+) -> dict[str, Any]:
+    """Return the numbers of a sample: its errors against the reference of the scene, and the scene's own measures.
 
-    ``series`` is what the scene follows in time, see ``Scene.diagnostics``, whose numbers ``errors_alone`` leaves out.
-    Returns a dict of numbers, None where one does not exist (a relative error of a fluid at rest, any error without a
-    reference):
+    ``series`` is the argument of ``Scene.diagnostics``, whose numbers ``errors_alone`` omits. A number is None where it
+    does not exist, such as an error without a reference, or a relative error of a fluid at rest.
 
-    ``t``, ``step`` (how many there have been), ``t_star`` = t / time scale of the scene; ``resolved`` and the
-    ``reason`` why not, None where it is (``resolution.py``); over the particles at their own positions, u standing for
-    the velocity, along one axis or both as the reference has them, ``l2`` = sqrt(sum |u-u_exact|^2 / sum |u_exact|^2),
-    ``rms`` = sqrt(mean |u-u_exact|^2) / U and ``linf`` = max |u-u_exact| / U, u being relative to the scene's
-    ``frame_velocity`` and U its reference velocity (``l2`` says little where u crosses zero, ``rms`` always does); and
-    what the scene itself measures.
+    ``t``, ``step`` (the number of steps so far), ``t_star`` = t / time scale of the scene; ``resolved``, and a
+    ``reason`` where it is not (``resolution.py``). Over the particles at their own positions, for the velocity
+    components u that have a reference: ``l2`` = sqrt(sum |u-u_exact|^2 / sum |u_exact|^2), with u relative to the
+    scene's ``frame_velocity``; ``rms`` = sqrt(mean |u-u_exact|^2) / U and ``linf`` = max |u-u_exact| / U, with U the
+    reference velocity. ``rms`` is meaningful at all times, ``l2`` is not where u crosses zero.
     """
     snapshot = with_reference(scene, snapshot)
-    diagnostics = {
+    squares = _squared_errors(scene, snapshot)
+    diagnostics: dict[str, Any] = {
         "t": snapshot.t,
         "step": snapshot.step,
         "t_star": snapshot.t / scene.time_scale,
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
-        "linf": _largest_error(scene, snapshot),
+        "linf": None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity,
         **({} if errors_alone else scene.diagnostics(snapshot, series)),
     }
-    numbers = {
-        key: value if key == "step" or isinstance(value, bool | str) else _number(value)
-        for key, value in diagnostics.items()
-    }
+    numbers = {}
+    for key, value in diagnostics.items():
+        if key != "step" and not isinstance(value, bool | str):
+            value = float(value) if value is not None and np.isfinite(value) else None
+        numbers[key] = value
     resolved, reason = resolution(scene, snapshot.t, snapshot)
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 
 
-def _number(value):
-    return float(value) if value is not None and np.isfinite(value) else None
+def relative_error(scene: Any, snapshot: Snapshot) -> float | None:
+    """Return sqrt(sum |u - u_exact|^2 / sum |u_exact|^2) over the particles; None for an exact solution at rest.
 
-
-def relative_error(scene, snapshot):
-    """L2 error sqrt(sum |u - u_exact|^2 / sum |u_exact|^2) over the particles; None if all should be at rest.
-
-    Velocities are those of the flow's own frame (``scene.frame_velocity``).
+    Velocities are relative to the flow's own frame (``scene.frame_velocity``).
     """
     values, exact = velocities(scene, snapshot)
     if not len(exact):
@@ -74,59 +72,55 @@ def relative_error(scene, snapshot):
     return relative_difference(values, exact, ROUNDINGS * np.spacing(abs(scene.frame_velocity)))
 
 
-def rms_error(scene, snapshot):
-    """Root mean square error sqrt(mean |u - u_exact|^2) over the particles, over the reference velocity."""
+def rms_error(scene: Any, snapshot: Snapshot) -> float | None:
+    """Return sqrt(mean |u - u_exact|^2) over the particles, over the reference velocity; None without a reference."""
     squares = _squared_errors(scene, snapshot)
     return None if squares is None else float(np.sqrt(np.mean(squares))) / scene.reference_velocity
 
 
-def root_mean_square(values):
-    """Return that of an array of any shape."""
+def root_mean_square(values: np.ndarray) -> float:
+    """Return the root mean square of an array of any shape."""
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _largest_error(scene, snapshot):
-    squares = _squared_errors(scene, snapshot)
-    return None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity
-
-
-def _squared_errors(scene, snapshot):
+def _squared_errors(scene: Any, snapshot: Snapshot) -> np.ndarray | None:
     values, exact = velocities(scene, snapshot)
     return np.square(values - exact).sum(axis=0) if len(exact) else None
 
 
-def field_error(scene, snapshot, field):
-    """L2 error sqrt(sum (f - f_exact)^2 / sum f_exact^2) of one field over the particles; None if that should be zero.
+def field_error(scene: Any, snapshot: Snapshot, field: str) -> float | None:
+    """Return sqrt(sum (f - f_exact)^2 / sum f_exact^2) of one field over the particles; None for f_exact = 0.
 
-    Of the pressure, of which only differences count, the mean of f - f_exact is taken away first.
+    For the pressure, which is defined up to a constant, the mean of f - f_exact is subtracted first.
     """
-    exact = with_reference(scene, snapshot, (field,)).reference[field]
+    exact = (with_reference(scene, snapshot, (field,)).reference or {})[field]
     values = getattr(snapshot, field)
     return relative_difference(values - np.mean(values - exact) if field == "pressure" else values, exact)
 
 
-def velocities(scene, snapshot):
-    """Velocities and their references, arrays (components that have one, particles)."""
+def velocities(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocities and their references, arrays (components with a reference, particles)."""
     names = [name for name in ("u", "v", "w") if name in scene.fields]
     snapshot = with_reference(scene, snapshot, names)
-    pairs = [(getattr(snapshot, name), snapshot.reference[name]) for name in names]
-    return tuple(np.array([pair[side] for pair in pairs], dtype=float) for side in (0, 1))
+    exact = snapshot.reference or {}
+    values = np.array([getattr(snapshot, name) for name in names], dtype=float)
+    return values, np.array([exact[name] for name in names], dtype=float)
 
 
-def relative_difference(values, exact, nothing=0.0):
-    """L2 norm of the difference over that of ``exact``; None where that is ``nothing``, as a root mean square."""
+def relative_difference(values: np.ndarray, exact: np.ndarray, nothing: float = 0.0) -> float | None:
+    """Return |values - exact| / |exact| in the L2 norm; None where the root mean square of ``exact`` is ``nothing``."""
     norm = float(np.linalg.norm(exact))
     return float(np.linalg.norm(values - exact)) / norm if norm > nothing * np.shape(exact)[-1] ** 0.5 else None
 
 
-def fit_line(y, u):
-    """Slope and intercept of the least-squares line through the points (``y``, ``u``); NaN for one point."""
+def fit_line(y: np.ndarray, u: np.ndarray) -> tuple[float, float]:
+    """Return slope and intercept of the least-squares line through the points (``y``, ``u``); NaN for one point."""
     offset = y - np.mean(y)
     spread = np.sum(offset**2)
     slope = np.sum(offset * u) / spread if spread > 0 else np.nan
     return slope, np.mean(u) - slope * np.mean(y)
 
 
-def fitted_order(resolutions, errors):
-    """Power of the spacing with which ``errors`` at ``resolutions`` (particles across) fall, by least squares."""
+def fitted_order(resolutions: Iterable[float], errors: Sequence[float] | np.ndarray) -> float:
+    """Return the power of the spacing with which ``errors`` at ``resolutions`` (particles across) fall."""
     return float(fit_line(-np.log(list(resolutions)), np.log(errors))[0])

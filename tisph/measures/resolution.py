@@ -1,36 +1,40 @@
-"""Whether the particles resolve the flow, and whether it has become steady.
+"""Criteria of resolved and of steady flow.
 
-Resolved: layers, radii and gaps against the spacing of the particles; the divergence. Steady: by the kinetic energy
-over the last times, at any time of a run (the errors of a cavity's samples wait for it), or at the end of a run by the
-numbers that its scene follows, which do not scatter as means over particles do.
+Resolved: layers, radii and gaps in particle spacings; the divergence. Steady: at any time of a run by the kinetic
+energy over the last times (errors of a cavity's samples wait for it), or at the end of a run by the numbers that its
+scene follows, which scatter less than means over particles.
 """
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
+from tisph.snapshot import Snapshot
+
 CHANGE = 1e-3
-"""Change, over the size of a number, up to which it is the same."""
+"""Largest change of a steady number, over its size."""
 
 LAST = 0.1
-"""Part of the run over which nothing may have changed."""
+"""Part of the run at its end in which a steady number is constant."""
 
 SPAN = 5.0
-"""Times ``_moment`` that are looked back."""
+"""Length of the time in which the energy must be steady, over the scene's time step of steadiness."""
 
 STEADY = 3e-4
-"""Relative change of the kinetic energy in such a time, below which a flow is called steady."""
+"""Relative change of the kinetic energy in one time step of steadiness, below which a flow is steady."""
 
 SCATTER = 6.0
-"""Standard errors of the slope, were its values independent, up to which it may be scatter: three, since those that
-follow one another are not. Means over particles scatter by 2e-3 in a cavity of 25 x 25, slopes over ``SPAN`` by 2.5e-4,
-and every fourth time was called unsteady."""
+"""Standard errors of the slope, for independent values, up to which it is scatter: twice three, since successive values
+are correlated. Means over particles scatter by 2e-3 in a cavity of 25 x 25, and slopes over ``SPAN`` by 2.5e-4: without
+this term every fourth time would count as unsteady."""
 
 
-def steady_since(times, values, sizes):
-    """First of the ``times`` (n,) from which on ``values`` (n, numbers) are the last ones; None where that is too late.
+def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) -> float | None:
+    """Return the first of ``times`` (n,) from which ``values`` (n, numbers) equal the last ones; None if it is late.
 
-    ``sizes`` (numbers,): what changes are taken over.
+    Changes are relative to ``sizes`` (numbers,). Late is within the last tenth of the times.
     """
     if not len(times):
         return None
@@ -40,15 +44,18 @@ def steady_since(times, values, sizes):
     return float(times[first]) if quiet else None
 
 
-def steadiness(scene, t, series, column=0, words="kinetic energy"):
-    """Return ``energy_change``, ``steady`` and ``steady_reason`` (None where it is) at time ``t``, by name.
+def steadiness(
+    scene: Any, t: float, series: tuple[Any, ...], column: int = 0, words: str = "kinetic energy"
+) -> dict[str, Any]:
+    """Return ``energy_change``, ``steady`` and ``steady_reason`` (None for steady flow) at time ``t``, by name.
 
-    The first is the relative change of the kinetic energy in a ``_moment``: the slope of a straight line through what
-    was followed in the last ``SPAN`` of them. ``series`` is that of ``Scene.diagnostics``; another ``column`` of it
-    than the first, the last of the ``words``, has its own name, such as ``torque_change``.
+    The first is the relative change of the kinetic energy in a time step: the slope of a straight line through its
+    values in the last ``SPAN`` steps. The step is the convective time of the reference length, or a fifth of its
+    viscous time if that is shorter. ``series`` is the argument of ``Scene.diagnostics``. For another ``column`` the
+    last of the ``words`` names the change, such as ``torque_change``.
     """
     key = f"{words.split()[-1]}_change"
-    step = _moment(scene)
+    step = min(scene.reference_length / scene.reference_velocity, 0.2 * scene.viscous_time)
     times, series_values = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
     if t < scene.start_time + SPAN * step:
         return _unsteady(key, f"the flow has run for less than {SPAN * step:.3g}")
@@ -64,69 +71,63 @@ def steadiness(scene, t, series, column=0, words="kinetic energy"):
     return {key: change, "steady": True, "steady_reason": None}
 
 
-def _moment(scene):
-    """The shorter of the times in which the flow goes the reference length, and a fifth of that of its viscosity."""
-    return min(scene.reference_length / scene.reference_velocity, 0.2 * scene.viscous_time)
-
-
-def _unsteady(key, reason, change=None):
+def _unsteady(key: str, reason: str, change: float | None = None) -> dict[str, Any]:
     return {key: change, "steady": False, "steady_reason": reason}
 
 
 LEAST_DEPTH = 2.0
-"""Depth of a layer, in particle spacings, from which on a sample counts as resolved.
+"""Least depth of a resolved layer, in particle spacings.
 
-The error of the velocities of the layer is then at most 1.5 % (L2) and that of the wall shear 1 %, with both schemes
-and every order; with polymer that of the wall shear is 5 %. ``benchmarks/resolution.py`` measures it, and prints
-the table of which docs/reference/files.md has a part.
+The L2 error of the velocities of the layer is then at most 1.5 % and the error of the wall shear 1 %, with both schemes
+and every order; with polymer the error of the wall shear is 5 %. ``benchmarks/resolution.py`` measures them; a part of
+its table is in docs/reference/files.md.
 """
 
 LEAST_RADIUS, LEAST_GAP = 3.0, 3.0
-"""The same of the radius of curvature of a wall that bulges into the fluid, and of the gap between two walls.
+"""Least radius of curvature of a convex wall, and least gap between two walls, in particle spacings.
 
 Errors of drag and flow rate are then at most 1.5 %; with 2 to 2.5 spacings 0.1 to 7 % (docs/evidence/verification.md).
 """
 
 LARGEST_DIVERGENCE = 0.01
-"""Divergence of the velocities over their gradient, both as root mean squares, up to which a sample counts as resolved.
+"""Largest divergence of the velocities in a resolved sample, over their gradient, both as root mean squares.
 
 The error of drag and flow rate around bodies is up to 2.6 times that (docs/evidence/verification.md).
 """
 
 LARGEST_DRIFT = 0.01
-"""Velocity by which all together moves too fast in a box without walls, over that of bodies against the fluid, up to
-which a sample counts as resolved: what one asks for of forces and velocities around bodies elsewhere."""
+"""Largest error of the common velocity of fluid and bodies in a resolved sample in a box without walls, over the
+velocity of bodies relative to the fluid: the tolerance of forces and velocities around bodies elsewhere."""
 
 STEEPEST = 2.0
-"""Change of the logarithm of a conformation tensor within a spacing up to which a sample counts as resolved.
+"""Largest change of the logarithm of a conformation tensor within a spacing in a resolved sample.
 
-The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6, that of flow between cylinders 1e-3
-with 0.5 (docs/evidence/verification.md).
+The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6, the error of flow between cylinders
+1e-3 with 0.5 (docs/evidence/verification.md).
 """
 
 LARGEST_ADDED_POWER = 0.01
-"""Power of the viscous force that only errors of the operators add, over the dissipation, up to which a sample of a
-fluid of varying viscosity counts as resolved. The error of the velocity is one to two times that in pipes
-(docs/evidence/stability.md).
+"""Largest power that errors of the viscous operators add to a fluid of varying viscosity in a resolved sample, over the
+dissipation. The error of the velocity in pipes is one to two times this ratio (docs/evidence/stability.md).
 """
 
 LARGEST_SCATTER = 0.01
-"""Scatter of the force on a body from step to step, over that force, up to which a sample counts as resolved.
+"""Largest scatter of the force on a body from step to step in a resolved sample, over that force.
 
-Single steps are off by three times that (docs/evidence/stability.md).
+The error of single steps is three times the scatter (docs/evidence/stability.md).
 """
 
 
-def resolution(scene, t, snapshot=None):
-    """Tell whether the flow of a scene is resolved at time ``t``, and why not: (True, None) or (False, reason)."""
+def resolution(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[bool, str | None]:
+    """Return whether the flow of a scene is resolved at time ``t``, and the reason: (True, None) or (False, reason)."""
     found = unresolved(scene, t, snapshot)
     return (True, None) if found is None else (False, found[1])
 
 
-def unresolved(scene, t, snapshot=None):
-    """What is not resolved of the flow of a scene at time ``t``, briefly, as in frames, and in full; None where all is.
+def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[str, str] | None:
+    """Return a short text for frames and a full reason if the flow is not resolved at time ``t``; None if it is.
 
-    ``snapshot``: the state then, once there is one; some of it is known before the run.
+    Before the run, without a ``snapshot``, only layers, radii and gaps are checked.
     """
     given, scene = scene, scene if snapshot is None else scene.seen(snapshot)
     depth, layer = scene.thinnest_layer(t)
@@ -137,13 +138,14 @@ def unresolved(scene, t, snapshot=None):
     radius, gap = scene.narrowest(t)
     for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
         spacings = size / scene.spacing
-        if spacings < least * (1 - 1e-4):  # what gaps of bodies that move are good to
+        if spacings < least * (1 - 1e-4):  # the error of gaps of moving bodies
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
             return f"{name} {spacings:.2g} dx", text
-    return None if snapshot is None else _of_state(given, snapshot)
+    return None if snapshot is None else _unresolved_state(given, snapshot)
 
 
-def _of_state(scene, snapshot):
+def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
+    """Return the same for drift, divergence, viscous power, forces and polymer of a state."""
     drift = scene.drift(snapshot)
     if drift > LARGEST_DRIFT:
         text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
@@ -155,7 +157,7 @@ def _of_state(scene, snapshot):
         found = snapshot.added_power
         text = f"errors of the viscous force, where the viscosity jumps, do {found:.2g} of the dissipation"
         return f"viscosity {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
-    if snapshot.load_scatter is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
+    if snapshot.load_scatter is not None and snapshot.bodies is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
         found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]
         text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters by {found:.2g} of it from step to step"
         return f"force {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"

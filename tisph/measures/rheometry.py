@@ -1,23 +1,25 @@
-"""What a rheologist reads of a run: from the columns of its ``history.csv``, beside theory and reference.
+"""Rheometry: material functions from the columns of a run's ``history.csv``, beside theory and reference.
 
 A reading has a ``title``, lines of text, and curves for a picture. "Apparent" is the usual evaluation of a rheometer:
 stress at the moving wall over the nominal shear rate (its speed over the gap), as if the shear rate were uniform and
 the fluid had no inertia. Its error is the difference from the linear theory of the fluid.
 
-A rheometer of two cylinders is read as a plane one. The stress at the moving cylinder, of radius a, is its torque per
-length over 2 pi a^2. The nominal shear rate there, of the usual evaluation, is the one of steady flow of a fluid of
-constant viscosity, 2 W b^2/(a^2 - b^2) with the radius b of the other cylinder and the angular velocity W. Without
-inertia it holds for all linear fluids.
+A rheometer of two cylinders is evaluated as a plane one. The stress at the moving cylinder, of radius a, is its torque
+per length over 2 pi a^2. The nominal shear rate there is the shear rate of steady flow of a fluid of constant
+viscosity, 2 W b^2/(a^2 - b^2) with the radius b of the other cylinder and the angular velocity W. Without inertia it
+holds for all linear fluids.
 
-Where the velocity of a wall follows a schedule, the reading is a step strain or a flow curve. Beside it stands the
-answer of the law to the same nominal shear rate without inertia (``uniform_shear``). Inertia and an uneven shear rate
-make the difference between this answer and the reference of the run; the strain, or a ramp too fast for the relaxation
-of the fluid, makes the difference between this answer and the linear theory of a step, or steady shear.
+Where the velocity of a wall follows a schedule, the reading is a step strain or a flow curve. Beside it is the response
+of the law to the same nominal shear rate without inertia (``uniform_shear``). Inertia and a non-uniform shear rate
+cause the difference between this response and the reference of the run. The size of the strain, or a ramp too fast for
+the relaxation of the fluid, causes the difference between this response and the linear theory of a step, or steady
+shear.
 
-Suspensions and viscometers around an axis are read at the end of a run (``viscometers``).
+Suspensions and viscometers around an axis are evaluated at the end of a run (``viscometers``).
 """
 
 from types import SimpleNamespace
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -31,6 +33,7 @@ from tisph.measures.viscometers import (
     VISCOMETERS,
     Axes,
     Reading,
+    Table,
     at_rows,
     normal_curves,
     normal_stress,
@@ -39,11 +42,15 @@ from tisph.measures.viscometers import (
     read_viscometer,
 )
 
+Stresses: TypeAlias = tuple[np.ndarray, np.ndarray]
+"""Shear stress and first normal stress difference at some times."""
 
-def as_plane(annulus, table):
-    """Return what stands for the channel, its moving wall, and the columns of the history as of an upper wall.
 
-    ConfigError where not one cylinder alone moves. ``gap`` is 1: the wall has the nominal shear rate for its speed.
+def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
+    """Return an equivalent channel, its moving upper wall, and the columns of the history of that wall.
+
+    Its ``gap`` is 1, so that the speed of the wall is the nominal shear rate. ConfigError unless exactly one cylinder
+    moves.
     """
     moving = [name for name in ("inner", "outer") if getattr(annulus, name).largest_speed]
     if len(moving) != 1:
@@ -53,7 +60,7 @@ def as_plane(annulus, table):
     radii = annulus.inner_radius, annulus.outer_radius
     own, other = radii if moving == ["inner"] else radii[::-1]
     wall = getattr(annulus, moving[0]).scaled(2 * other**2 / abs(own**2 - other**2))
-    # what the fluid does to the cylinder that moves is against its motion
+    # the torque on the moving cylinder is opposite to its motion
     columns = {name: -table[f"torque_{moving[0]}{name}"] / (2 * np.pi * own**2) for name in ("", "_exact")}
     plane = SimpleNamespace(
         gap=1.0,
@@ -72,28 +79,33 @@ def as_plane(annulus, table):
 
 
 SMALL = 0.01
-"""What inertia may take off a modulus where it counts as gone."""
+"""Largest effect of inertia on a modulus, over the modulus, when inertia is negligible."""
 
 FASTEST = 0.1
-"""Of the largest shear rate: from there on a flow curve is judged."""
+"""Least shear rate at which a flow curve is judged, over the largest."""
 
 NOTHING = 1e-9
-"""Of the way at the largest speed: what counts for no strain."""
+"""Largest strain that counts as 0, over the strain of the largest speed."""
 
 TINY = 0.01
-"""Of the largest shear rate: below, the stress is that of what was before."""
+"""Least shear rate of drawn viscosities, over the largest: below, the stress depends on earlier rates."""
 
 POINTS = 101
-"""Of the steady flow curve."""
+"""Points of the steady flow curve."""
 
 
-def read_schedule(config, channel, fluid, wall, table):
-    """Return the ``Reading``: of a step strain where the ``wall`` rests for longer than it moved, else a flow curve.
+def read_schedule(config: Any, channel: Any, fluid: Spectrum, wall: Schedule, table: Table) -> Reading:
+    """Return the reading of a step strain where the ``wall`` rests for longer than it moved, else of a flow curve.
 
-    ``fluid``: its ``Spectrum``; ``table``: columns of the history as of a moving upper wall. One that comes back to
-    where it was leaves no strain.
+    ``fluid``: its ``Spectrum``; ``table``: columns of the history for a moving upper wall. A wall that returns to its
+    start leaves no strain.
     """
-    law, end = _uniform(config, channel), wall.times[-1]
+    rheology, end = config.fluid.rheology, wall.times[-1]
+    if rheology.carries_stress:
+        solvent = channel.density * channel.solvent_viscosity
+        law = UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
+    else:
+        law = UniformShear(channel.viscous_stress)
     pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
     rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
     alone = law.response(rates, table["t"])
@@ -103,31 +115,23 @@ def read_schedule(config, channel, fluid, wall, table):
     return _flow_curve(channel.gap, law, wall, table, alone)
 
 
-def _uniform(config, channel):
-    rheology = config.fluid.rheology
-    if rheology.carries_stress:
-        solvent = channel.density * channel.solvent_viscosity
-        return UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
-    return UniformShear(channel.viscous_stress)
-
-
-def _step_strain(gap, fluid, wall, table, alone):
-    """``alone``: shear stress and N1 without inertia at all times of the table."""
+def _step_strain(gap: float, fluid: Spectrum, wall: Schedule, table: Table, uniform: Stresses) -> Reading:
+    """Return the reading; ``uniform``: shear stress and N1 without inertia at all times of the table."""
     end = wall.times[-1]
-    strain, late = wall.displacement(end) / gap, table["t"] > end
+    strain, late = float(wall.displacement(end)) / gap, table["t"] > end
     t = table["t"][late] - _middle(wall)
-    alone, alone_normal = (values[late] for values in alone)
+    alone, alone_normal = (values[late] for values in uniform)
     found, known = (table[name][late] / strain for name in ("wall_shear", "wall_shear_exact"))
     alone, step = alone / strain, fluid.modulus(t)
     lines = [f"relaxation modulus G, t from the middle of the step on; strain {strain:.6g} in the time {end:.6g}"]
     lines += over_time(t, {"apparent": found, "reference": known, "no inertia": alone, "linear, step": step})
-    numbers = {"strain": strain}
+    numbers: dict[str, float] = {"strain": strain}
     names = {"": found, "_reference": known, "_without_inertia": alone, "_linear": step}
     numbers |= {f"modulus_at_the_end{name}": float(values[-1]) for name, values in names.items()}
     wrong = np.flatnonzero(np.abs(known - alone) > SMALL * np.abs(alone))
     if len(wrong) == 0 or wrong[-1] + 1 < len(t):
         gone = float(t[wrong[-1] + 1] if len(wrong) else t[0])
-        lines.append(f"  inertia makes less than {SMALL:.0%} from t = {gone:.4g} on")
+        lines.append(f"  inertia changes it by less than {SMALL:.0%} from t = {gone:.4g} on")
         numbers["inertia_gone_at"] = gone
     axis = Axes("time from the middle of the step", "relaxation modulus G", ("time", "stress"), logarithmic=True)
     curves = [
@@ -146,18 +150,18 @@ def _step_strain(gap, fluid, wall, table, alone):
     return Reading("step strain", lines, numbers, curves)
 
 
-def _middle(wall):
-    """The mean time of the strain (Zapas and Phillips): from then on a ramp looks like a step."""
+def _middle(wall: Schedule) -> float:
+    """Return the mean time of the strain: measured from it, a ramp resembles a step (Zapas and Phillips)."""
     t = np.linspace(0.0, wall.times[-1], 2001)
     way = wall.displacement(t)
     area = np.sum(0.5 * (way[1:] + way[:-1]) * np.diff(t))
     return float(wall.times[-1] - area / way[-1])
 
 
-def _flow_curve(gap, law, wall, table, alone):
-    """``law``: in uniform shear; else as ``_step_strain``."""
+def _flow_curve(gap: float, law: UniformShear, wall: Schedule, table: Table, uniform: Stresses) -> Reading:
+    """Return the reading; ``law`` in uniform shear, ``uniform``: its shear stress and N1 at all times of the table."""
     t, rate = table["t"], wall.velocity(table["t"]) / gap
-    alone, alone_normal = alone
+    alone, alone_normal = uniform
     found, known = table["wall_shear"], table["wall_shear_exact"]
     fastest = float(np.abs(rate).max())
     judged = (np.abs(rate) >= FASTEST * fastest) & (t > 0.0)
@@ -170,9 +174,9 @@ def _flow_curve(gap, law, wall, table, alone):
         columns |= {name: stress / rate for name, stress in parts.items()}
     lines = ["viscosity, stress at the moving wall over the nominal shear rate", *at_rows(t, columns, rows)]
     off = {
-        "the run is off its reference by": _largest(found, known, judged),
-        "inertia and an uneven shear rate make": _largest(known, alone, judged),
-        "the ramp, too fast for the relaxation of the fluid, makes": _largest(alone, steady, rows),
+        "the run differs from its reference by": _largest(found, known, judged),
+        "inertia and a non-uniform shear rate change it by": _largest(known, alone, judged),
+        "the relaxation of the fluid during the ramp changes it by": _largest(alone, steady, rows),
     }
     lines += [
         f"  {words} {value:.2e} of the stress at most, from {FASTEST:.0%} of the fastest rate on"
@@ -201,37 +205,37 @@ def _flow_curve(gap, law, wall, table, alone):
     return Reading("flow curve", lines, numbers, curves)
 
 
-def _largest(found, best, where):
-    """The largest relative difference at some of the times; NaN where a stress is none, as after a jump."""
+def _largest(found: np.ndarray, best: np.ndarray, where: np.ndarray) -> float:
+    """Return the largest difference relative to ``best`` at the times ``where``; NaN, as after a jump, is ignored."""
     found, best = found[where], best[where]
     return float(np.nanmax(np.abs(found - best) / np.maximum(np.abs(best), 1e-300)))
 
 
 LINEAR = 1e-2
 """Third harmonic of the stress over the first below which the strain is small: it grows with the square of the strain,
-and moduli fall by as much."""
+as does the change of the moduli."""
 
 HARMONICS = (1, 2, 3, 5)
 MARKS = (("apparent", "x", "+"), ("corrected for inertia", "o", "s"))
 """Names of moduli, marks of G' and G'' in the picture."""
 SETTLED = 1e-6
-"""What may be left of the start where an oscillation is read; else a polynomial is taken off with it."""
+"""Largest rest of the start-up transient in an oscillation that is fitted without a polynomial."""
 
 DEGREE = 5
-"""Of that polynomial."""
+"""Degree of the polynomial that is fitted to the rest of the start-up transient."""
 
 HEIGHTS = 200
-"""At which the exact N1 is averaged over the gap."""
+"""Number of heights at which the exact N1 is averaged over the gap."""
 
 DECADES = np.geomspace(0.1, 10.0, 41)
-"""Frequencies over that of the run at which linear theory is drawn."""
+"""Frequencies of the drawn linear theory, over the frequency of the run."""
 
 FADED = 15.0
-"""Longest relaxation times after which nothing is left of the start."""
+"""Number of longest relaxation times after which the start-up transient has decayed."""
 
 
-def spectrum(rheology, channel):
-    """``Spectrum`` of a fluid at small deformations."""
+def spectrum(rheology: Any, channel: Any) -> Spectrum:
+    """Return the relaxation spectrum of a fluid at small deformations."""
     if not rheology.carries_stress:
         law = rheology.law(channel.kinematic_viscosity, channel.density)
         return Spectrum(channel.density * float(law.viscosity(0.0)))
@@ -240,11 +244,11 @@ def spectrum(rheology, channel):
     return Spectrum(channel.density * channel.solvent_viscosity, modes)
 
 
-def read(config, channel, table, contacts=None, last=None):
-    """Return the ``Reading`` of a run; ``table`` has the columns of its history by name.
+def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: Any = None) -> Reading:
+    """Return the reading of a run; ``table`` has the columns of its history by name.
 
-    ``contacts``: how often bodies touched, if that is known; ``last``: numbers of the last sample by name. ConfigError
-    where it is none of what a rheometer does.
+    ``contacts``: number of contacts of bodies, if known; ``last``: numbers of the last sample by name. ConfigError
+    where the run is not a flow of a rheometer.
     """
     if config.scene in VISCOMETERS:
         return read_viscometer(config.scene, channel, table, last)
@@ -266,33 +270,29 @@ def read(config, channel, table, contacts=None, last=None):
     moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
     if len(moving) != 1 or channel.acceleration:
         raise ConfigError("a rheometer has one moving wall, a wall at rest and no drive")
-    wall = getattr(channel, moving[0])
-    table = _as_if_upper(table, moving[0])
-    return _by_velocity(config, channel, fluid, wall, table)
+    wall, (side,) = getattr(channel, moving[0]), moving
+    sign = 1.0 if side == "top" else -1.0  # stress and strain of a lower wall have the other sign
+    shears = {name.replace(f"_{side}", ""): sign * values for name, values in table.items() if "shear" in name}
+    return _by_velocity(config, channel, fluid, wall, {**table, **shears, "strain": table["strain"], "t": table["t"]})
 
 
-def _by_velocity(config, channel, fluid, wall, table):
-    """The reading of a ``wall`` with a velocity."""
+def _by_velocity(config: Any, channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
+    """Return the reading for a ``wall`` with a given velocity; ``table`` belongs to an upper wall."""
     if isinstance(wall, Schedule):
         return read_schedule(config, channel, fluid, wall, table)
     return _oscillation(channel, fluid, wall, table) if wall.oscillates else _start_up(channel, fluid, wall, table)
 
 
-def _as_if_upper(table, side):
-    """The columns with the moving wall as the upper one: stress and strain of a lower one have the other sign."""
-    sign = 1.0 if side == "top" else -1.0
-    names = {name.replace(f"_{side}", ""): sign * values for name, values in table.items() if "shear" in name}
-    return {**table, **names, "strain": table["strain"], "t": table["t"]}
-
-
-def _oscillation(channel, fluid, wall, table):
+def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
+    """Return storage and loss modulus, apparent, corrected for inertia, and of the reference and the linear theory."""
     frequency, gap = wall.angular_frequency, channel.gap
     rate = np.hypot(wall.cosine, wall.sine) / gap
     t, first = _window(table["t"], frequency, fluid.longest_time)
     settled = np.exp(-t[0] / fluid.longest_time) < SETTLED if fluid.longest_time else True
     degree = 0 if settled else DEGREE
     nominal = (wall.cosine - 1j * wall.sine) / gap
-    stress, exact = (_amplitudes(t, table[name][first:], frequency, degree) for name in _both("wall_shear"))
+    stress = _amplitudes(t, table["wall_shear"][first:], frequency, degree)
+    exact = _amplitudes(t, table["wall_shear_exact"][first:], frequency, degree)
     apparent, reference = stress[1] / nominal, exact[1] / nominal
     theory = fluid.complex_viscosity(1j * frequency)
     corrected = corrected_viscosity(apparent, lambda eta: channel.apparent_viscosity(eta, frequency), theory)
@@ -305,10 +305,23 @@ def _oscillation(channel, fluid, wall, table):
     lines = [f"angular frequency {frequency:.6g}, strain amplitude {rate / frequency:.4g}"]
     lines += [f"  {name:24} G' = {value.real:.6g}   G'' = {value.imag:.6g}" for name, value in modulus.items()]
     third, third_exact = (float(abs(each[3] / each[1])) for each in (stress, exact))
-    lines += _compared(modulus, third_exact < LINEAR)
+    if third_exact < LINEAR:
+        compared = {
+            "inertia changes the usual evaluation by": ("apparent", "linear theory"),
+            "corrected, it differs from the linear theory by": ("corrected for inertia", "linear theory"),
+        }
+    else:
+        compared = {
+            "the large strain changes the linear theory by": ("reference, apparent", "linear theory"),
+            "the run differs from its reference by": ("apparent", "reference, apparent"),
+        }
+    for words, (name, other) in compared.items():
+        value, best = modulus[name], modulus[other]
+        elastic = value.real / best.real - 1.0 if best.real else np.nan
+        lines.append(f"  {words}: {elastic:+.2e} of G', {value.imag / best.imag - 1.0:+.2e} of G''")
     lines.append(f"  third harmonic of the stress over the first: {third:.4g} (reference {third_exact:.4g})")
-    if degree and (t[-1] - t[0]) * frequency < 3.0 * np.pi:  # a polynomial is much like a single wave
-        lines.append(f"  unsure, of one period with the start in it: run four, or {FADED:g} relaxation times")
+    if degree and (t[-1] - t[0]) * frequency < 3.0 * np.pi:  # a polynomial resembles a single wave
+        lines.append(f"  uncertain, from one period with the start-up: run four, or {FADED:g} relaxation times")
     numbers = {"angular_frequency": frequency, "third_harmonic": third}
     for name, value in modulus.items():
         key = name.replace(",", "").replace(" ", "_")
@@ -329,23 +342,11 @@ def _oscillation(channel, fluid, wall, table):
     return Reading("oscillation", lines, numbers, curves)
 
 
-def _compared(modulus, linear):
-    """Lines of what each way to read a modulus is off another; ``linear``: whether the strain is small."""
-    if linear:
-        pairs = {
-            "the usual evaluation is wrong by inertia": ("apparent", "linear theory"),
-            "corrected, it is off the linear theory by": ("corrected for inertia", "linear theory"),
-        }
-    else:
-        pairs = {
-            "large strain: it takes off the linear theory": ("reference, apparent", "linear theory"),
-            "the run is off its reference by": ("apparent", "reference, apparent"),
-        }
-    return [_off(words, *(modulus[name] for name in names)) for words, names in pairs.items()]
+def _window(t: np.ndarray, frequency: float, longest: float) -> tuple[np.ndarray, int]:
+    """Return the times of the evaluated whole periods at the end of the run, and the index of the first.
 
-
-def _window(t, frequency, longest):
-    """Times from which an oscillation is read, and the index of the first: whole periods at the end of the run."""
+    They are the periods after ``FADED`` times the ``longest`` relaxation time, but at most half of all periods.
+    """
     period = 2.0 * np.pi / frequency
     whole = (t[-1] - t[0]) / period
     if whole < 2.0 * (1.0 - 1e-9):
@@ -356,8 +357,8 @@ def _window(t, frequency, longest):
     return t[first:], first
 
 
-def _amplitudes(t, values, frequency, degree):
-    """Complex amplitudes of the harmonics by number, from a least-squares fit with a polynomial of a ``degree``."""
+def _amplitudes(t: np.ndarray, values: np.ndarray, frequency: float, degree: int) -> dict[int, complex]:
+    """Return complex amplitudes of the harmonics by number, fitted together with a polynomial of this ``degree``."""
     angle, middle = frequency * t, (t - t.mean()) / max(np.ptp(t), 1e-300)
     columns = [middle**power for power in range(degree + 1)]
     for number in HARMONICS:
@@ -366,29 +367,20 @@ def _amplitudes(t, values, frequency, degree):
     return {number: complex(*found[2 * k : 2 * k + 2]) for k, number in enumerate(HARMONICS)}
 
 
-def _both(name):
-    return name, f"{name}_exact"
-
-
-def _off(words, value, best):
-    """A line that says by how much a complex modulus is off the ``best``, part by part."""
-    elastic = value.real / best.real - 1.0 if best.real else np.nan
-    return f"  {words}: {elastic:+.2e} of G', {value.imag / best.imag - 1.0:+.2e} of G''"
-
-
-def _start_up(channel, fluid, wall, table):
+def _start_up(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
+    """Return viscosity growth after a start, or stress decay after a stop, over the shear rate."""
     rate = wall.cosine / channel.gap
     before = (wall.before or 0.0) / channel.gap
     steady = before or rate
     t = table["t"][1:]
     growth = fluid.growth(t)
     theory = growth if rate else fluid.viscosity - growth
-    found, exact = (table[name][1:] / steady for name in _both("wall_shear"))
-    what = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
-    lines = [f"{what}; shear rate {rate:.6g}, before {before:.6g}"]
+    found, exact = table["wall_shear"][1:] / steady, table["wall_shear_exact"][1:] / steady
+    quantity = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
+    lines = [f"{quantity}; shear rate {rate:.6g}, before {before:.6g}"]
     lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
     numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
-    axis = Axes("time", what, ("time", "viscosity"), logarithmic=bool(rate))
+    axis = Axes("time", quantity, ("time", "viscosity"), logarithmic=bool(rate))
     curves = [
         (axis, "run", t, found, "."),
         (axis, "reference", t, exact, "-"),
@@ -410,13 +402,14 @@ def _start_up(channel, fluid, wall, table):
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)
 
 
-def _creep(channel, fluid, table):
+def _creep(channel: Any, fluid: Spectrum, table: Table) -> Reading:
+    """Return the creep compliance of a wall under constant stress, recovery and free oscillation."""
     side = ("bottom", "top")[channel.driven_side]
     plate = getattr(channel, side)
     t, sign = table["t"], 1.0 if side == "top" else -1.0
     stress = float(plate.stress(t[1] * 0.5))
     if not stress or plate.oscillates:
-        raise ConfigError("creep is read from a stress that is constant from t = 0 on, for a while")
+        raise ConfigError("creep needs a stress that is constant from t = 0 on, for a while")
     strain = sign * table["strain"]
     exact = integral(t, table[f"wall_velocity_{side}_exact"]) / channel.gap
     end = min(plate.jump_times, default=t[-1])
@@ -436,30 +429,28 @@ def _creep(channel, fluid, table):
         lines.append(f"  recovered strain {recovered[0]:.6g} (reference {recovered[1]:.6g})")
         numbers |= {"recovered_strain": recovered[0], "recovered_strain_reference": recovered[1]}
     if plate.mass_per_area:
-        velocities = [table[f"wall_velocity_{side}{end}"][during] for end in ("", "_exact")]
-        _ring(channel, fluid, plate, t[during], velocities, lines, numbers)
+        run, reference = (
+            _slowest_pair(t[during], table[f"wall_velocity_{side}{end}"][during]) for end in ("", "_exact")
+        )
+        if run is not None and reference is not None:
+            roots = {"run": run, "reference": reference}
+            roots["linear theory"] = fluid.free_oscillation(
+                reference, channel.density, channel.gap, plate.mass_per_area
+            )
+            lines.append("  free oscillation, e^(-d t) cos(w t):")
+            for name, root in roots.items():
+                lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")
+                key = name.replace(" ", "_")
+                numbers |= {f"ringing_frequency_{key}": float(root.imag), f"ringing_damping_{key}": float(-root.real)}
     return Reading("creep", lines, numbers, curves)
 
 
-def _ring(channel, fluid, plate, t, velocities, lines, numbers):
-    """Add the frequency and damping of the free oscillation of the wall, of run and reference, and by theory."""
-    found, known = (_slowest_pair(t, one) for one in velocities)
-    if found is None or known is None:
-        return
-    theory = fluid.free_oscillation(known, channel.density, channel.gap, plate.mass_per_area)
-    lines.append("  free oscillation, e^(-d t) cos(w t):")
-    for name, root in (("run", found), ("reference", known), ("linear theory", theory)):
-        lines.append(f"    {name:14} w = {root.imag:.6g}   d = {-root.real:.6g}")
-        key = name.replace(" ", "_")
-        numbers |= {f"ringing_frequency_{key}": float(root.imag), f"ringing_damping_{key}": float(-root.real)}
-
-
 PENCIL = 7
-"""Exponentials that a velocity is taken apart into: the steady speed and three pairs."""
+"""Number of exponentials in the decomposition of a velocity: the steady speed and three pairs."""
 
 
-def _slowest_pair(t, velocity):
-    """Root s, with an imaginary part, of the largest of the exponentials e^(s t) that a velocity is made of, or None.
+def _slowest_pair(t: np.ndarray, velocity: np.ndarray) -> complex | None:
+    """Return the root s with an imaginary part of the largest exponential e^(s t) in a velocity; None without one.
 
     By the matrix pencil (Y. Hua and T. K. Sarkar, IEEE Trans. Acoust. 38 (1990) 814-824), from a tenth of the time on.
     """

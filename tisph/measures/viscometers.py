@@ -1,24 +1,26 @@
-"""Readings at the end of a run: viscometers around an axis, and the viscosity of a suspension that walls shear.
+"""Readings at the end of a run: viscometers around an axis, and the viscosity of a suspension sheared by walls.
 
 * Couette: the stress at the inner cylinder is its torque over 2 pi R1^2 L, the rate there 2 W R2^2/(R2^2 - R1^2) with
   the difference W of the angular velocities. Assumed: laminar flow, and a constant viscosity.
 * Falling ball: force = 6 pi mu a U K. Assumed: no inertia, a constant viscosity, a tube closed far away and so long
-  that the period does not count. K of a ratio x = a/R by T. Bohlin, Trans. R. Inst. Technol. Stockholm 155 (1960), for
+  that the period has no effect. K of a ratio x = a/R by T. Bohlin, Trans. R. Inst. Technol. Stockholm 155 (1960), for
   x <= 0.6; it is 0.4 % below the exact 5.9474 at x = 0.5.
 * Capillary: the stress at the wall is the force on it over its area, the apparent rate 4 Q/(pi R^3), which is the rate
-  at the wall if the viscosity is constant. For other fluids ``rabinowitsch`` takes several runs: L. B. Rabinowitsch,
+  at the wall if the viscosity is constant. For other fluids ``rabinowitsch`` combines several runs: L. B. Rabinowitsch,
   Z. phys. Chem. A 145 (1929) 1-26.
-* Suspension: a mean over a run whose bodies never come to rest. The stress is correlated in time: the statistical error
-  of its mean comes from batch means. The values, evenly spaced in time, are cut into ten batches in a row, whose means
-  are taken to be independent of each other; the error of the mean of all is their standard deviation over the square
-  root of ten. Ten are enough (B. Schmeiser, Oper. Res. 30 (1982) 556-568), and long ones are less correlated: where a
-  batch is shorter than bodies take to pass each other, a strain of about one, the error is too small.
+* Suspension: a mean over a run whose bodies never come to rest. The stress is correlated in time; therefore the
+  statistical error of its mean is computed from batch means. The values, evenly spaced in time, are divided into ten
+  consecutive batches, whose means are assumed to be independent. The error of the mean is their standard deviation over
+  the square root of ten. Ten batches are enough (B. Schmeiser, Oper. Res. 30 (1982) 556-568), and long ones are less
+  correlated. Where a batch is shorter than the time in which bodies pass each other, a strain of about one, the error
+  is too small.
 
-``Reading`` is the form of all readings, those of ``rheometry`` too: a title, lines of text, numbers, curves.
+All readings, in ``rheometry`` too, are a ``Reading``: title, lines of text, numbers, curves.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -27,7 +29,11 @@ from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.circle import Circle
 
 SHOWN = 9
-"""Lines of a table over time."""
+"""Number of lines of a table over time."""
+
+
+Table: TypeAlias = Mapping[str, np.ndarray]
+"""Columns (times,) of a history by name."""
 
 
 class Axes(NamedTuple):
@@ -41,15 +47,15 @@ class Axes(NamedTuple):
 
 @dataclass
 class Reading:
-    """``curves``: (``Axes``, name, abscissae, ordinates, style); style is one of ``report/plots.py: STYLES``.
+    """Title, ``lines`` of text, ``numbers`` by name, and ``curves`` of a run.
 
-    ``numbers`` by name; ``lines`` of text.
+    A curve is (``Axes``, name, abscissae, ordinates, style), with a style of ``report/plots.py: STYLES``.
     """
 
     title: str
     lines: list[str]
     numbers: dict[str, float]
-    curves: list[tuple] = field(default_factory=list)
+    curves: list[tuple[Any, ...]] = field(default_factory=list)
 
 
 NORMALS = (
@@ -57,26 +63,28 @@ NORMALS = (
     ("n1", "run, at the wall that moves", "."),
     ("n1_exact", "reference", "-"),
 )
-"""Column, name and style of an N1: of a channel the mean of the gap, between cylinders at the one that moves."""
+"""Column, name and style of N1: in a channel the mean over the gap, between cylinders at the moving cylinder."""
 
 
-def normal_stress(table):
-    """N1 of the run; None without a polymer."""
+def normal_stress(table: Table) -> np.ndarray | None:
+    """Return N1 of the run; None without a polymer."""
     return table.get("n1", table.get("n1_mean"))
 
 
-def normal_curves(table, axis, abscissae, rows, scale=1.0):
-    """Curves of each N1 over a ``scale``, in the ``rows`` of the ``table``."""
+def normal_curves(
+    table: Table, axis: Axes, abscissae: np.ndarray, rows: slice | np.ndarray, scale: float = 1.0
+) -> list[tuple[Any, ...]]:
+    """Return curves of each N1 over a ``scale``, in the ``rows`` of the ``table``."""
     return [(axis, words, abscissae, table[name][rows] / scale, kind) for name, words, kind in NORMALS if name in table]
 
 
-def over_time(t, columns):
-    """Lines of a table of ``columns`` by name at some of the times, more of them at first."""
+def over_time(t: np.ndarray, columns: Table) -> list[str]:
+    """Return lines of a table of ``columns`` by name at some of the times, more densely at the start."""
     return at_rows(t, columns, np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1)
 
 
-def at_rows(t, columns, chosen):
-    """Lines of a table of ``columns`` by name at the ``chosen`` ones of the times."""
+def at_rows(t: np.ndarray, columns: Table, chosen: np.ndarray) -> list[str]:
+    """Return lines of a table of ``columns`` by name at the ``chosen`` indices of the times."""
     return [
         f"  {'t':>10} " + " ".join(f"{name:>12}" for name in columns),
         *(f"  {t[k]:10.4g} " + " ".join(f"{values[k]:12.6g}" for values in columns.values()) for k in chosen),
@@ -84,30 +92,31 @@ def at_rows(t, columns, chosen):
 
 
 VISCOMETERS = ("taylor_couette", "pipe", "sphere_in_tube")
-"""Scenes that are read here."""
+"""Scenes that are viscometers."""
 
 STEADY = 1e-3
-"""Change of what is read over the last tenth of the time above which it is called unsteady."""
+"""Largest change of a steady reading over the last tenth of the time."""
 
 NEAR = 0.1
-"""Part of the viscosity at the end by which others that a picture shows may be off it."""
+"""Largest difference of drawn viscosities from the viscosity at the end, over the latter."""
 
 LAMINAR = 1e-6
-"""Kinetic energy along radii over that around the axis above which vortices are said to carry a part of the torque."""
+"""Largest ratio of radial to azimuthal kinetic energy in laminar flow; above, vortices carry a part of the torque."""
 
 LARGEST_RATIO = 0.6
+"""Largest ratio of the radii of ball and tube."""
 
 
-def wall_factor(ratio):
-    """K of a sphere of a ``ratio`` of the tube's radius: Bohlin's."""
+def wall_factor(ratio: float) -> float:
+    """Return Bohlin's factor K of a sphere whose radius is ``ratio`` times the radius of the tube."""
     powers = {1: -2.10443, 3: 2.08877, 5: -0.94813, 6: -1.372, 8: 3.87, 10: -4.19}
     return 1.0 / (1.0 + sum(factor * ratio**power for power, factor in powers.items()))
 
 
-def read_viscometer(scene_name, scene, table, last):
-    """``Reading`` of a run of the scene; ``table``: columns of its history, ``last``: its last sample.
+def read_viscometer(scene_name: str, scene: Any, table: Table, last: Any) -> Reading:
+    """Return the reading of a run of the scene; ``table``: columns of its history, ``last``: its last sample.
 
-    ConfigError where it is no such instrument.
+    ConfigError where the run is not the flow of the instrument.
     """
     if last is None:
         raise ConfigError("it has no sample: it has not ended")
@@ -115,10 +124,10 @@ def read_viscometer(scene_name, scene, table, last):
     return read(scene, {name: values[1:] for name, values in table.items()}, last)
 
 
-def rabinowitsch(readings):
-    """Lines of stress, rate and viscosity at the wall of capillaries with one fluid; none of fewer than three.
+def rabinowitsch(readings: Sequence[Reading]) -> list[str]:
+    """Return lines of stress, rate and viscosity at the wall of three or more capillaries with one fluid; else none.
 
-    The rate is (3 + n)/4 of the apparent one, n being the slope of its logarithm over that of the stress.
+    The rate is (3 + n)/4 times the apparent rate, with n = d ln(apparent rate) / d ln(stress).
     """
     pairs = [(each.numbers["wall_stress"], each.numbers["apparent_rate"]) for each in readings]
     if len(pairs) < 3:
@@ -133,7 +142,7 @@ def rabinowitsch(readings):
     return [title, *("  " + "  ".join(f"{value:.6g}" for value in row) for row in rows)]
 
 
-def _couette(scene, table, last):
+def _couette(scene: Any, table: Table, last: Any) -> Reading:
     if not scene.periodic[0]:
         raise ConfigError("a Couette viscometer has no end plates here: the torque at them has no limit")
     outer, inner = (float(body.spin.velocity(table["t"][-1])) for body in reversed(scene.bodies))
@@ -149,7 +158,7 @@ def _couette(scene, table, last):
     return _reading("Couette viscometer", scene, table["t"], stress / rate, lines, numbers)
 
 
-def _capillary(scene, table, last):
+def _capillary(scene: Any, table: Table, last: Any) -> Reading:
     moving = any(body.motion.x.largest_speed or body.spin.largest_speed for body in scene.bodies)
     if scene.inner_radius or scene.drive.oscillates or moving or not scene.drive.largest_speed:
         raise ConfigError("a capillary is one pipe at rest with a constant acceleration")
@@ -165,12 +174,12 @@ def _capillary(scene, table, last):
     return _reading("capillary", scene, table["t"], stress / apparent, lines, numbers)
 
 
-def _falling_ball(scene, table, last):
+def _falling_ball(scene: Any, table: Table, last: Any) -> Reading:
     sphere, tube = scene.bodies
     if not sphere.free or not isinstance(sphere.shape, Circle) or tube.motion.x.largest_speed:
         raise ConfigError("a falling ball is a free sphere in a tube at rest")
     if scene.kept_mean_velocity != 0.0:
-        raise ConfigError("a falling ball is read in a closed tube: closure no_flux, without a mean_velocity")
+        raise ConfigError("a falling ball needs a closed tube: closure no_flux, without a mean_velocity")
     radius, force = scene.reference_length, float(sphere.motion.inertia.load[0])
     ratio, speed = radius / scene.outer_radius, table["velocity"]
     if not force or ratio > LARGEST_RATIO:
@@ -186,10 +195,12 @@ def _falling_ball(scene, table, last):
     return _reading("falling ball", scene, table["t"], viscosity, lines, numbers)
 
 
-def _reading(title, scene, t, viscosity, lines, numbers):
-    """The viscosity at the end, beside that of the config where it is constant, and over time.
+def _reading(
+    title: str, scene: Any, t: np.ndarray, viscosity: np.ndarray, lines: list[str], numbers: dict[str, float]
+) -> Reading:
+    """Return the viscosity at the end, beside the config's where it is constant, and over time.
 
-    What a start gives, which may be twenty times as large, would flatten the curve: it begins where it is near the end.
+    The curve contains only values near the last one: during the start-up they may be twenty times as large.
     """
     late = np.interp(0.9 * t[-1], t, viscosity)
     end, given = float(viscosity[-1]), scene.dynamic_viscosity
@@ -199,7 +210,7 @@ def _reading(title, scene, t, viscosity, lines, numbers):
         lines.append(f"unsteady: a tenth of the time earlier it was {late:.6g}")
     axis = Axes("time", "viscosity", ("time", "viscosity"))
     near = np.abs(viscosity / end - 1.0) < NEAR
-    curves = [(axis, "run", t[near], viscosity[near], ".")]
+    curves: list[tuple[Any, ...]] = [(axis, "run", t[near], viscosity[near], ".")]
     if scene.rheology is None:
         curves.append((axis, "config", t[[0, -1]], [given, given], "--"))
     return Reading(title, lines, {**numbers, "viscosity": end}, curves)
@@ -207,13 +218,13 @@ def _reading(title, scene, t, viscosity, lines, numbers):
 
 BATCHES = 10
 LEAST_STRAIN = 1.0
-"""Of a batch, for an error that can be trusted."""
+"""Least strain of a batch for a reliable error."""
 
 WAYS = {"walls": "by the stress on the walls", "bodies": "by the stresses of the bodies"}
 
 
-def batch_means(values):
-    """Return the mean of ``values`` (n,) and its standard error; the first n modulo ``BATCHES`` of them do not count.
+def batch_means(values: np.ndarray) -> tuple[float, float]:
+    """Return the mean of ``values`` (n,) and its standard error; the first n modulo ``BATCHES`` of them are ignored.
 
     ConfigError where there are fewer than ``BATCHES``.
     """
@@ -223,16 +234,16 @@ def batch_means(values):
     return float(means.mean()), float(means.std(ddof=1) / np.sqrt(BATCHES))
 
 
-def read_suspension(channel, table, contacts=None):
-    """Return the ``Reading`` of a run of bodies that the flow carries between walls: means over its second half.
+def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> Reading:
+    """Return the reading of a run with bodies that the flow carries between walls: means over its second half.
 
-    ``table`` has the columns of its history by name, ``contacts`` is how often bodies touched, if it is known.
+    ``table`` has the columns of its history by name; ``contacts`` is the number of contacts of bodies, if known.
     """
     walls = dict(channel.walls)
     rate = float(walls["top"].cosine - walls["bottom"].cosine) / channel.extent[1]
     if any(wall.oscillates for wall in walls.values()) or not rate or "shear_stress_walls" not in table:
         raise ConfigError(
-            "the viscosity of a suspension is read between walls of different, constant velocities, without a drive"
+            "the viscosity of a suspension needs walls of different, constant velocities, without a drive"
         )
     strain = abs(rate) * table["t"]
     late = strain > 0.5 * strain[-1]
@@ -256,8 +267,8 @@ def read_suspension(channel, table, contacts=None):
     return Reading("suspension in shear", _lines(numbers, found, dilute), numbers, curves)
 
 
-def _lines(numbers, found, dilute):
-    """Text of the ``numbers``; of a ``dilute`` suspension J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
+def _lines(numbers: dict[str, float], found: dict[str, tuple[float, float]], dilute: float) -> list[str]:
+    """Return the text. Viscosity of ``dilute`` suspensions: J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
     strain = numbers["strain"]
     lines = [
         f"area fraction phi = {numbers['area_fraction']:.4g}, shear rate {numbers['shear_rate']:.6g}",
@@ -272,7 +283,7 @@ def _lines(numbers, found, dilute):
     batch = 0.5 * strain / BATCHES
     if batch < LEAST_STRAIN:
         lines.append(
-            f"unsure: each of the {BATCHES} batches has a strain of {batch:.2g}, and needs {LEAST_STRAIN:g}; "
-            f"run to a strain of {BATCHES * 2:g}"
+            f"uncertain: each of the {BATCHES} batches that give the error has a strain of {batch:.2g}, less than "
+            f"{LEAST_STRAIN:g}; run to a strain of {BATCHES * 2:g}"
         )
     return lines

@@ -1,1 +1,1 @@
-"""Observers: what looks at a run while it goes on. One file each; ``protocol.py`` says what one must have."""
+"""Observers read a run while it goes on. ``protocol.py`` defines their protocol and schedules."""

@@ -1,14 +1,16 @@
-"""Guard: stops a run that has gone wrong, and remembers the last state that was sound."""
+"""Guard: stops a run whose state is not sound, and stores the last sound state."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from tisph.errors import DivergedError
-from tisph.observers.protocol import StateObserver
-from tisph.observers.schedule import EverySteps
-from tisph.snapshot import OPTIONAL
+from tisph.observers.protocol import EverySteps, LastStep, StateObserver
+from tisph.scenes._scene import Scene
+from tisph.snapshot import OPTIONAL, Snapshot
 
 INTERVAL = 50
-"""Steps between two looks: a run that goes wrong is stopped within twice as many."""
+"""Steps between two checks: an unsound run is stopped within twice as many."""
 
 DENSITY_LIMIT = 0.2
 """Largest sound departure of the density from the reference density, as a fraction of it."""
@@ -17,29 +19,28 @@ TRANSVERSE_LIMIT = 0.1
 """Largest sound velocity across the channel, over the fastest along it: the exact flows have none."""
 
 SETTLING = 2.0
-"""From when on that counts, in times spacing^2 / nu, in which viscosity crosses a spacing.
+"""Time from which the transverse velocity is checked, over spacing^2 / nu, the time of diffusion over a spacing.
 
-Before, the layer at a wall that has started is thinner than a spacing. Layers of particles that shear there, and
-disorder, may stir up more than the limit and calm down again: by 1.4 such times in every run of the stability matrix
-that did (docs/evidence/stability.md).
+Before, the layer at a wall that has started is thinner than a spacing. Particles that shear there may exceed the limit
+and calm down again: by 1.4 such times in every run of the stability matrix that did (docs/evidence/stability.md).
 """
 
 
 class Guard(StateObserver):
-    """Checks every snapshot for numbers that are none, compression, break-up, and particles beyond a wall."""
+    """Checks snapshots for numbers that are not finite, compression, break-up, and particles beyond a wall."""
 
-    def __init__(self, scene):
+    def __init__(self, scene: Scene):
         self.schedule = EverySteps(INTERVAL)
         self.scene = scene
         self.settled_from = scene.start_time + SETTLING * scene.spacing**2 / scene.solvent_viscosity
-        self.last_good = None
+        self.last_good: Snapshot | None = None
 
-    def tell(self, step, times):
-        """Check the last step, once, whoever asks for it."""
+    def tell(self, step: LastStep, times: Sequence[float]) -> None:
+        """Check the last step, once, however many observers ask for it."""
         step.check()
 
-    def check(self, snapshot):
-        """Raise DivergedError naming field, particle, step and time; else keep ``snapshot`` as good."""
+    def check(self, snapshot: Snapshot) -> None:
+        """Raise DivergedError with field, particle, step and time, or store ``snapshot`` as the last sound one."""
         others = [name for name in OPTIONAL if getattr(snapshot, name) is not None]
         for field in ("x", "y", "u", "v", "density", *others):
             self._refuse(snapshot, field, ~np.isfinite(getattr(snapshot, field)), "is not a finite number")
@@ -54,16 +55,16 @@ class Guard(StateObserver):
             points = np.stack([snapshot.x, snapshot.y], axis=1)
             self._refuse(snapshot, "x", ~self.scene.seen(snapshot).contains(points, snapshot.t), "lies beyond a wall")
         else:
-            self._keep_in_box(snapshot)
+            for axis, size, periodic in zip("xy", self.scene.extent, self.scene.periodic, strict=True):
+                if not periodic:
+                    place = getattr(snapshot, axis)
+                    self._refuse(
+                        snapshot, axis, (place < 0.0) | (place > size), f"lies beyond a wall (0 to {size:.6g})"
+                    )
         self.last_good = snapshot
 
-    def _keep_in_box(self, snapshot):
-        for axis, size, periodic in zip("xy", self.scene.extent, self.scene.periodic, strict=True):
-            if not periodic:
-                place = getattr(snapshot, axis)
-                self._refuse(snapshot, axis, (place < 0.0) | (place > size), f"lies beyond a wall (0 to {size:.6g})")
-
-    def _refuse(self, snapshot, field, bad, reason):
+    def _refuse(self, snapshot: Snapshot, field: str, bad: np.ndarray, reason: str) -> None:
+        """Raise DivergedError for the first of the particles that are ``bad``, bool (particles,)."""
         if not bad.any():
             return
         particle = int(np.argmax(bad))

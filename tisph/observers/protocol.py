@@ -1,21 +1,24 @@
-"""What an observer must have, and what it is told.
+"""Observers: the protocol that each fulfils, the step that it is given, and the schedules that say when.
 
-A simulation tells its observers of the run, in the order in which they were given to it: after each step those whose
-schedule says that something is due. An observer looks at the run and never changes it: with or without a movie the
-particles are the same to the last bit. It returns nothing. What it raises ends the run; the folder is then left as the
-failure of a run leaves it. How to add one is told in CONTRIBUTING.md.
+After each step the simulation calls, in the order in which they were added, the observers whose schedule has something
+due. An observer reads the run and never changes it: with or without a movie the particles are bitwise the same. An
+exception in an observer ends the run, and the folder of results is completed as after any other failure.
+CONTRIBUTING.md says how to add one.
 """
 
-from collections.abc import Sequence
+import math
+from bisect import bisect_right
+from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
 
+from tisph.errors import ConfigError
 from tisph.snapshot import Snapshot
 
 
 class LastStep(Protocol):
-    """The step that was taken last, from which an observer takes the states that it is to see."""
+    """The last step, from which an observer obtains the states that it needs."""
 
     time: float
     """Time at the end of the step."""
@@ -24,72 +27,166 @@ class LastStep(Protocol):
     """Steps of the run so far."""
 
     def at(self, time: float) -> Snapshot:
-        """Return the state at one of the times that the observer is told; DivergedError where it is not sound.
+        """Return the state at one of the times given to the observer; DivergedError where it is not sound.
 
-        No state is given out before the guard has seen the latest one that is asked for after this step.
+        No state is returned before the guard has checked the latest state due in this step.
         """
 
     def check(self) -> None:
-        """Let the guard see the latest state, once; DivergedError where it is not sound."""
+        """Let the guard check the latest state, once; DivergedError where it is not sound."""
 
     def around(
         self, times: Sequence[float], x: float, half_width: float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles within ``half_width`` of the place ``x`` at all of the ``times``, as flat arrays.
+        """Return index of the time (ascending), x, y and velocity along x of particles, flat arrays of one length.
 
-        Which time (ascending), x, y and velocity along x of each: far less than whole states where that is enough.
+        They are the particles within ``half_width`` of the place ``x`` at each of the ``times``. This costs far less
+        than whole states.
         """
 
 
 class Schedule(Protocol):
-    """When an observer is told (``schedule.py`` has those that there are); times are those of the run's clock."""
+    """When one observer is called: ``Times``, ``EveryTime`` or ``EverySteps``. Times are on the run's clock."""
 
     def begin(self, start: float, time: float, steps: int) -> None:
-        """Take note that a run, whose clock starts at ``start``, is observed from ``time`` and ``steps`` on."""
+        """Start to observe at ``time`` and ``steps`` a run whose clock starts at ``start``."""
 
-    def due(self, time: float, steps: int) -> bool:
-        """Tell whether something is due after ``steps`` steps, at ``time``."""
-
-    def pending(self, time: float, steps: int) -> list[float]:
-        """Return the times of what is due."""
-
-    def mark(self, time: float, steps: int) -> None:
-        """Count as done what is due."""
+    def take(self, time: float, steps: int) -> list[float] | None:
+        """Return the times due after ``steps`` steps, at ``time``, and count them as done; None if nothing is due."""
 
 
 class Observer(Protocol):
-    """Something that looks at a run while it goes on."""
+    """An object that reads a run while it goes on."""
 
-    schedule: Schedule
-    """When it is told. The start of the run counts as a step of no length for what is due then."""
+    @property
+    def schedule(self) -> Schedule:
+        """When it is called. Times that are due at the start of the run belong to a first step of length 0."""
 
     def tell(self, step: LastStep, times: Sequence[float]) -> None:
-        """Take what is due: the states at ``times``, ascending, within the last ``step``.
+        """Process the states at ``times``, ascending, within the last ``step``.
 
-        A scheme that does not interpolate has the end of the step in the place of all of them.
+        A scheme that does not interpolate replaces all of them by the end of the step.
         """
 
     def flush(self) -> None:
-        """Have on the disk whatever was observed by now: a checkpoint follows, from which a run may go on."""
+        """Write everything observed so far to the disk: a checkpoint follows, from which a run may continue."""
 
     def close(self) -> None:
         """Finish: the run has ended, in whatever way."""
 
 
 class StateObserver:
-    """An observer of one state after the other: what derives from it says in ``observe`` what it does with each."""
+    """Base of observers that process one state after the other: they define ``observe``."""
 
-    def tell(self, step, times):
+    schedule: Schedule
+
+    def tell(self, step: LastStep, times: Sequence[float]) -> None:
         """Observe the states at ``times``."""
         for time in times:
             self.observe(step.at(time))
 
-    def observe(self, snapshot):
-        """Take one state, a ``Snapshot`` in the units and the frame of the config."""
+    def observe(self, snapshot: Snapshot) -> None:
+        """Process one state, in the units and the frame of the config."""
         raise NotImplementedError
 
-    def flush(self):
-        """Do nothing, where what was observed is on the disk."""
+    def flush(self) -> None:
+        """Do nothing: every state is on the disk as soon as it is observed."""
 
-    def close(self):
-        """Do nothing, where nothing is left to do at the end."""
+    def close(self) -> None:
+        """Do nothing at the end."""
+
+
+ROUND_OFF = 1e-9
+"""Part of an interval by which a time may miss a multiple of it."""
+
+
+class Times:
+    """Ascending ``times``, later than ``after`` if it is given; due at the end of the first step that reaches each."""
+
+    def __init__(self, times: Iterable[float], after: float | None = None):
+        self.times = list(times)
+        self.passed = 0 if after is None else bisect_right(self.times, after)
+
+    def begin(self, start: float, time: float, steps: int) -> None:
+        """Do nothing: the times are given."""
+
+    def take(self, time: float, _steps: int = 0) -> list[float] | None:
+        """Return the times up to ``time`` that are not done yet; None if there are none."""
+        if self.passed == len(self.times) or time < self.times[self.passed]:
+            return None
+        first, self.passed = self.passed, bisect_right(self.times, time)
+        return self.times[first : self.passed]
+
+
+class EveryTime:
+    """The multiples of ``interval`` [time] after the start of the run's clock.
+
+    With ``from_here`` they are counted from the time at which the observation begins.
+    """
+
+    def __init__(self, interval: float, from_here: bool = False):
+        self.interval = interval
+        self.from_here = from_here
+        self.origin, self.next = 0.0, 1
+
+    def begin(self, start: float, time: float, steps: int) -> None:
+        """Start counting at the run's start time; multiples up to ``time`` count as done."""
+        self.origin = time if self.from_here else start
+        self.next = self._reached(time) + 1
+
+    def take(self, time: float, _steps: int = 0) -> list[float] | None:
+        """Return the multiples up to ``time`` that are not done yet; None if there are none."""
+        first, self.next = self.next, max(self.next, self._reached(time) + 1)
+        multiples = range(first, self.next)
+        return [min(time, self.origin + multiple * self.interval) for multiple in multiples] or None
+
+    def _reached(self, time: float) -> int:
+        return math.floor((time - self.origin) / self.interval + ROUND_OFF)
+
+
+class EverySteps:
+    """Each ``number``-th step of the run."""
+
+    def __init__(self, number: int):
+        self.number = self.next = number
+
+    def begin(self, start: float, time: float, steps: int) -> None:
+        """Count the steps up to ``steps`` as done."""
+        self.next = (steps // self.number + 1) * self.number
+
+    def take(self, time: float, steps: int) -> list[float] | None:
+        """Return the end of the last step, ``time``, where that is due."""
+        if steps < self.next:
+            return None
+        self.next = (steps // self.number + 1) * self.number
+        return [time]
+
+
+def every(*, time: float | None = None, steps: int | None = None) -> Schedule:
+    """Return a schedule with something due every ``time`` of the run's clock, or every ``steps`` steps.
+
+    ``time`` is in the unit of the config and counts from the start of the run, where nothing is due yet. One of the
+    two must be given, and be positive; else ConfigError.
+    """
+    given = [each for each in (time, steps) if each is not None]
+    if len(given) != 1 or not 0 < given[0] < math.inf or (steps is not None and steps != int(steps)):
+        raise ConfigError("every: give one of time=SECONDS and steps=NUMBER, positive, the steps as a whole number")
+    return EverySteps(int(steps)) if steps is not None else EveryTime(float(given[0]))
+
+
+def even_times(start: float, end: float, count: int) -> list[float]:
+    """Return ``count`` equally spaced times from ``start`` to ``end``, both included and exact."""
+    between = [start + (end - start) * k / (count - 1) for k in range(1, count - 1)]
+    return [start, *between, end]
+
+
+class Checkpoints(StateObserver):
+    """Calls ``save`` every ``interval`` [time], counted from the time at which its observation begins."""
+
+    def __init__(self, interval: float, save: Callable[[], None]):
+        self.schedule = EveryTime(interval, from_here=True)
+        self.save = save
+
+    def tell(self, step: LastStep, times: Sequence[float]) -> None:
+        """Write one checkpoint, however many are due."""
+        self.save()

@@ -1,4 +1,4 @@
-"""The samples as ParaView reads them, while the run goes on: ``samples.vtkhdf``, and the bodies beside it.
+"""The samples in a file for ParaView, written during the run: ``samples.vtkhdf``, and the bodies beside it.
 
 VTKHDF has snapshots as one UnstructuredGrid over time, each particle a vertex (VTK 9.3 and later, ParaView 5.12).
 Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one
@@ -7,18 +7,19 @@ piece, in three dimensions.
 https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Protocol
 
 import h5py
 import numpy as np
 
-from tisph.geometry.body import Placement
+from tisph.geometry.body import Body, Placement
 from tisph.measures.fits import vorticity
-from tisph.observers._storage import Storage
-from tisph.observers.protocol import StateObserver
-from tisph.observers.schedule import Times
-from tisph.snapshot import OPTIONAL
+from tisph.observers.protocol import StateObserver, Times
+from tisph.observers.samples import Description, Samples, Storage
+from tisph.scenes._scene import Scene
+from tisph.snapshot import OPTIONAL, Snapshot
 
 Field = tuple[str, np.ndarray, str]
 """Name, array (particles,) or (particles, components), unit."""
@@ -28,7 +29,7 @@ STRESS = ("stress_xx", "stress_yy", "", "stress_xy", "", "")
 
 
 class Particles(Protocol):
-    """Arrays (particles,) by the names of ``samples.h5``, at time ``t``; ``units`` has every name that there is."""
+    """Arrays (particles,) by the names of ``samples.h5``, at time ``t``; ``units`` has the name of each."""
 
     @property
     def t(self) -> float:
@@ -41,13 +42,13 @@ class Particles(Protocol):
     def __getitem__(self, name: str) -> np.ndarray: ...
 
 
-class Arrays(dict):
+class SnapshotArrays(dict):
     """Arrays of a snapshot named as in ``samples.h5``, and of two-dimensional flow ``vorticity``, with ``units``.
 
     ``about`` is the ``Description`` of the run.
     """
 
-    def __init__(self, about, snapshot):
+    def __init__(self, about: Description, snapshot: Snapshot):
         found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *OPTIONAL)}
         found |= {f"{name}_exact": values for name, values in (snapshot.reference or {}).items()}
         super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
@@ -63,7 +64,7 @@ def places(particles: Particles) -> np.ndarray:
 
 
 def fields(particles: Particles) -> Iterator[Field]:
-    """Yield what there is of the particles, and of the reference at each, whose names end in ``_exact``."""
+    """Yield the fields of the particles, and of the reference at each, whose names end in ``_exact``."""
     units = particles.units
     yield "particle", np.arange(len(particles["x"])), ""
     for suffix in ("", "_exact"):
@@ -86,32 +87,33 @@ VERSION = (2, 0)
 VERTEX, POLY_LINE, POLYGON = 1, 4, 7
 
 LARGEST_CHUNK = 65536
-"""Rows of a dataset that HDF5 keeps in one piece, at the most."""
+"""Most rows in a chunk of a dataset."""
 
 PIECES = 4
-"""Of an outline, on the length of a particle spacing."""
+"""Points of an outline on the length of a particle spacing."""
 
 
-def append(file: Any, snapshot: Any, about: Any) -> None:
+def append(file: Any, snapshot: Snapshot, about: Description) -> None:
     """Append particles as the next step to an open HDF5 ``file``, which is empty before the first one.
 
     It has ``velocity``, ``pressure``, ``density``, ``stress``, of two-dimensional flow ``vorticity``, and ``particle``,
-    and the exact ones. Field data: ``units``, a text that names that of each field; and the ``config`` as YAML.
+    and the exact ones. Field data: ``units``, a text with the unit of each field; and the ``config`` as YAML.
     ``about`` is the ``Description`` of the run.
     """
-    particles, count = Arrays(about, snapshot), len(snapshot.x)
+    particles, count = SnapshotArrays(about, snapshot), len(snapshot.x)
     found = list(fields(particles))
     root = file.get("VTKHDF") or _begun(file, "PointData", {name: unit for name, _, unit in found}, about)
     data = {name: array for name, array, _ in found}
     _add_step(root, snapshot.t, places(particles), np.full(count, VERTEX), np.ones(count, int), data)
 
 
-def append_bodies(file: Any, snapshot: Any, about: Any) -> None:
-    """Append the bodies of ``snapshot`` likewise, with what ``tisph.snapshot.Bodies`` has of each, and its number."""
+def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
+    """Append the bodies of ``snapshot`` as the next step: number and all fields of ``tisph.snapshot.Bodies``."""
     bodies, scene = snapshot.bodies, about.scene
-    chosen = [index for index, body in enumerate(scene.bodies) if body.shape.area]
-    outlines = [_outline(scene, scene.bodies[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
-    kinds = [POLY_LINE if scene.bodies[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
+    immersed: Sequence[Body] = scene.bodies
+    chosen = [index for index, body in enumerate(immersed) if body.shape.area]
+    outlines = [_outline(scene, immersed[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
+    kinds = [POLY_LINE if immersed[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
     found = {name: np.asarray(values)[chosen] for name, values in vars(bodies).items() if values is not None}
     found = {name: np.pad(values, ((0, 0), (0, 1))) if values.ndim == 2 else values for name, values in found.items()}
     units = {name: about.units.get(name, "") for name in found}
@@ -120,7 +122,7 @@ def append_bodies(file: Any, snapshot: Any, about: Any) -> None:
     _add_step(root, snapshot.t, points, np.array(kinds), sizes, {"body": np.array(chosen), **found})
 
 
-def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndarray:
+def _outline(scene: Scene, body: Body, centre: np.ndarray, angle: float) -> np.ndarray:
     """Return the boundary (n, 2) of a body, closed where the fluid is in it, at the copy that is in the box."""
     edge, periods = body.shape.boundary_points(scene.spacing / PIECES).point, np.array(body.periods)
     left = np.floor((centre - scene.origin) / periods)  # 0 along an axis without a period
@@ -130,13 +132,14 @@ def _outline(scene: Any, body: Any, centre: np.ndarray, angle: float) -> np.ndar
     )
 
 
-def has_outlines(scene: Any) -> bool:
-    """Tell whether the scene has bodies other than straight walls."""
-    return any(body.shape.area for body in scene.bodies)
+def has_outlines(scene: Scene) -> bool:
+    """Return whether the scene has bodies other than straight walls."""
+    bodies: Sequence[Body] = scene.bodies
+    return any(body.shape.area for body in bodies)
 
 
-def beside(path: Any) -> Any:
-    """Return the path of the bodies' file beside that of the particles."""
+def beside(path: Path) -> Path:
+    """Return the path of the file of the bodies beside the file ``path`` of the particles."""
     return path.with_name(f"{path.stem}_bodies{path.suffix}")
 
 
@@ -178,7 +181,7 @@ def _add_step(root: Any, time: float, points: Any, kinds: Any, sizes: Any, data:
 
 
 def _add(group: Any, name: str, rows: np.ndarray) -> None:
-    """Append ``rows`` to a dataset, which is made if there is none."""
+    """Append ``rows`` to a dataset, which is created at first."""
     if name not in group:
         chunk = (min(max(len(rows), 64), LARGEST_CHUNK), *rows.shape[1:])
         group.create_dataset(name, data=rows, maxshape=(None, *rows.shape[1:]), chunks=chunk)
@@ -189,54 +192,52 @@ def _add(group: Any, name: str, rows: np.ndarray) -> None:
 
 
 class Vtk(StateObserver):
-    """Appends each of ``samples`` (a ``Samples`` observer, which sees a snapshot before this one) to the file ``path``.
+    """Appends each of ``samples``, an observer that is called before this one, to the file ``path``.
 
-    Once there is one, the file can be read at any time, and is what ``tisph export --to vtkhdf`` makes. ``resumed_at``
-    as for ``Samples``, whose kept ones begin a new file.
+    The file can be read at any time, and equals the file of ``tisph export --to vtkhdf``. ``resumed_at`` as for
+    ``Samples``, whose kept samples begin a new file.
     """
 
-    def __init__(self, path, samples, resumed_at, about):
+    def __init__(self, path: Path, samples: Samples, resumed_at: float | None, about: Description):
         self.samples = samples
-        self.schedule = Times(samples.schedule.times)
-        if resumed_at is not None:
-            self.schedule.mark(resumed_at)
+        self.schedule = Times(samples.schedule.times, resumed_at)
         self.files = [_Steps(path, about, append)]
         if has_outlines(about.scene):
             self.files.append(_Steps(beside(path), about, append_bodies))
         for file in self.files:
             file.start(samples.snapshots)
 
-    def observe(self, snapshot):
+    def observe(self, snapshot: Snapshot) -> None:
         """Append one sample."""
         snapshot = next(kept for kept in reversed(self.samples.snapshots) if kept.t == snapshot.t)
         for file in self.files:
             file.add(snapshot)
 
-    def close(self):
-        """Leave nothing but the files."""
+    def close(self) -> None:
+        """Complete the files and remove their spare versions."""
         for file in self.files:
             file.close()
 
 
 class _Steps(Storage):
-    """A file of steps, which ``append`` adds to; there is none before the first."""
+    """A file of steps, which ``append`` adds to; it does not exist before the first step."""
 
-    def __init__(self, path, about, append):
+    def __init__(self, path: Path, about: Description, append: Callable[[Any, Snapshot, Description], None]):
         super().__init__(path, "{}")
         self.about, self.append = about, append
 
-    def start(self, snapshots):
-        """Make a file of ``snapshots``, if there are any; none is left of an earlier run."""
+    def start(self, snapshots: Iterable[Snapshot]) -> None:
+        """Create a file of ``snapshots``, if there are any, and remove the file of an earlier run."""
         self.path.unlink(missing_ok=True)
         if snapshots:
             super().start(snapshots)
 
-    def flush(self):
-        """Have all steps in the file."""
+    def flush(self) -> None:
+        """Write all steps to the file."""
         if self.waiting and not self.path.exists():
             super().start([])
         super().flush()
 
-    def put(self, file, name, snapshot):
+    def put(self, file: Any, name: str, snapshot: Snapshot) -> None:
         """Append a snapshot."""
         self.append(file, snapshot, self.about)

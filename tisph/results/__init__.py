@@ -1,4 +1,4 @@
-"""What a run left behind, read when it is asked for. Starts nothing and writes nothing."""
+"""The results of a run, each read when it is first used. Reading starts and writes nothing."""
 
 from tisph.results._results import Results, open_run
 

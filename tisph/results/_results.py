@@ -1,30 +1,133 @@
-"""A run's folder as an object: samples, history, bodies, movie and summary, read when they are asked for."""
+"""The one reader of a run's folder: samples, history, bodies, movie and summary, each read when it is first used.
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+The keys of ``summary.json`` mean the same as in ``docs/reference/files.md``.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import h5py
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.folder import Folder
-from tisph.observers._storage import readable
-from tisph.observers.history import read_rows
-from tisph.results._summary import Summary, typed
+from tisph.folder import Folder, readable
+from tisph.observers.history import read_history, read_resolved, read_rows
+from tisph.observers.samples import FIELDS, FRAME_FIELDS, read_snapshots
+from tisph.snapshot import Snapshot
+
+Value = float | int | bool | str | None
+"""None where there is no such number, such as an error without a reference."""
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class SampleErrors:
+    """One sample at time ``t``; ``sample["NAME"]`` is any of its numbers, including the measures of its scene.
+
+    ``l2`` is relative, ``rms`` and ``linf`` are over the reference velocity, ``t_star`` is ``t`` over the time scale.
+    ``measures`` has all numbers by name, in the units of the config.
+    """
+
+    t: float
+    t_star: float
+    step: int
+    resolved: bool
+    reason: str | None
+    l2: float | None
+    rms: float | None
+    linf: float | None
+    measures: Mapping[str, Value] = field(repr=False)
+
+    def __getitem__(self, name: str) -> Value:
+        return self.measures[name]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Steps, seconds of the clock (``_s``), and the largest memory [MB] of a run."""
+
+    steps: int | None
+    wall_total_s: float | None
+    wall_import_s: float | None
+    wall_compile_s: float | None
+    wall_loop_s: float | None
+    wall_output_s: float | None
+    particle_steps_per_s: float | None
+    peak_memory_mb: float | None
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Conditions of the numbers: versions by package, machine, threads, precision, seed, config, commit."""
+
+    versions: Mapping[str, str]
+    platform: str | None
+    processor: str | None
+    threads: int | None
+    precision: str | None
+    seed: int | None
+    config_hash: str | None
+    commit: str | None
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Summary of a run; a run that was killed, or still runs, has the status ``failed`` and no samples here.
+
+    ``message`` is the error, ``numbers`` are numbers of the whole run by name, ``momentum`` is the balance along
+    x [mass velocity per length out of the plane], ``error_estimate`` is there after ``--estimate-error``.
+    """
+
+    name: str
+    status: Literal["done", "diverged", "interrupted", "failed"]
+    message: str | None
+    samples: tuple[SampleErrors, ...]
+    numbers: Mapping[str, Value]
+    momentum: Mapping[str, float | None]
+    cost: Cost
+    provenance: Provenance
+    error_estimate: Mapping[str, Any] | None
+
+
+def typed(data: Mapping[str, Any], name: str) -> Summary:
+    """Return the contents of a ``summary.json``, of the run ``name`` where it does not say so.
+
+    ValueError where it is none.
+    """
+    if not isinstance(data, dict) or "status" not in data or any("t" not in each for each in data.get("samples", [{}])):
+        raise ValueError("it is no summary of a run")
+    return Summary(
+        name=data.get("name", name),
+        status=data["status"],
+        message=data.get("message"),
+        samples=tuple(_known(SampleErrors, {**sample, "measures": sample}) for sample in data["samples"]),
+        numbers=data.get("numbers", {}),
+        momentum=data.get("momentum", {}),
+        cost=_known(Cost, data.get("cost", {})),
+        provenance=_known(Provenance, {"versions": {}, **data.get("provenance", {})}),
+        error_estimate=data.get("error_estimate"),
+    )
+
+
+def _known(kind: type[T], data: Mapping[str, Any]) -> T:
+    return kind(**{each.name: data.get(each.name) for each in fields(kind)})  # type: ignore[arg-type]
+
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import ArrayLike
 
     from tisph.config import Config
+    from tisph.scenes._scene import Scene
 
 
 class Arrays(Mapping[str, np.ndarray]):
-    """Those in a ``group`` of the file by name, read when they are asked for."""
+    """The arrays in a ``group`` of an HDF5 file by name, each read when it is used."""
 
     def __init__(self, path: Path, group: str = "/"):
         self._path, self._group = path, group
@@ -59,7 +162,7 @@ class Sample(Arrays):
     """The fluid particles at time ``t``, after ``step`` steps: arrays of shape (particles,) by name.
 
     ``x``, ``y``, ``u``, ``v``, ``density``, ``pressure``, with polymer ``stress_xx``, ``stress_xy``, ``stress_yy``, and
-    what the reference says there, ``u_exact`` and so on; of bodies ``bodies/centre`` and so on, of shape (bodies, ...).
+    the reference there, ``u_exact`` and so on; of bodies ``bodies/centre`` and so on, of shape (bodies, ...).
     """
 
     def __init__(self, path: Path, group: str, t: float, step: int):
@@ -70,36 +173,10 @@ class Sample(Arrays):
         return f"<Sample t={self.t:g}: {', '.join(self)}>"
 
 
-class Samples(Sequence[Sample]):
-    """The samples of a run in the order of time."""
-
-    def __init__(self, path: Path):
-        self._samples: list[Sample] = []
-        if path.is_file():
-            with readable(path), h5py.File(path, "r") as file:
-                groups = sorted(file.values(), key=lambda group: group.attrs["t"])
-                self._samples = [
-                    Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups
-                ]
-
-    @overload
-    def __getitem__(self, index: int) -> Sample: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[Sample]: ...
-    def __getitem__(self, index: int | slice) -> Sample | list[Sample]:
-        return self._samples[index]
-
-    def __len__(self) -> int:
-        return len(self._samples)
-
-    def __repr__(self) -> str:
-        return f"<Samples at t = {', '.join(f'{sample.t:g}' for sample in self)}>"
-
-
 class History(np.recarray):
     """A row a time: ``history.t``, and by their names in the file ``history["u(y=0.5)"]`` and so on.
 
-    Numbers are in the units of the config; where there is none it is NaN.
+    Numbers are in the units of the config; a missing number is NaN.
     """
 
     def to_pandas(self) -> Any:
@@ -126,7 +203,7 @@ class Movie:
 
 
 class Trajectories(Arrays):
-    """Bodies in the fluid at evenly spaced times: arrays by name, read when they are asked for.
+    """Bodies in the fluid at evenly spaced times: arrays by name, each read when it is used.
 
     ``t`` (times,); ``centre`` (times, bodies, 2), not wrapped by periods; ``angle`` [radians], ``angular_velocity``
     (times, bodies), counterclockwise; ``velocity``, ``force`` and ``contact_force`` (times, bodies, 2); ``torque``,
@@ -137,28 +214,29 @@ class Trajectories(Arrays):
     def __repr__(self) -> str:
         return f"<Trajectories of {len(self.names)} bodies: {', '.join(self)}>"
 
+    @cached_property
+    def _attributes(self) -> dict[str, Any]:
+        with readable(self._path), h5py.File(self._path, "r") as file:
+            return dict(file.attrs)
+
     @property
     def names(self) -> list[str]:
         """Number of each body in the config, as in columns of the history."""
-        return [str(name) for name in self._attribute("names")]
+        return list(map(str, self._attributes["names"]))
 
     @property
     def shapes(self) -> list[str]:
-        """What each body is, such as ``circle``."""
-        return [str(name) for name in self._attribute("shapes")]
+        """Shape of each body, such as ``circle``."""
+        return list(map(str, self._attributes["shapes"]))
 
     @property
     def free(self) -> np.ndarray:
         """Whether the flow carries each of the bodies, bool (bodies,)."""
-        return np.asarray(self._attribute("free"), dtype=bool)
-
-    def _attribute(self, name: str) -> np.ndarray:
-        with readable(self._path), h5py.File(self._path, "r") as file:
-            return np.asarray(file.attrs[name])
+        return np.asarray(self._attributes["free"], dtype=bool)
 
 
 class Results:
-    """What a run left in ``folder``; read when it is asked for. All numbers are in the units of the config."""
+    """The results of a run in ``folder``, read when they are used. All numbers are in the units of the config."""
 
     def __init__(self, folder: "str | PathLike[str]"):
         self.folder = Path(folder)
@@ -180,13 +258,18 @@ class Results:
             return typed(self._files.read_summary(), self.folder.name)
 
     @cached_property
-    def samples(self) -> Samples:
-        """The particles at each sample time: ``samples[-1]["u"]`` is an array (particles,)."""
-        return Samples(self._files.samples)
+    def samples(self) -> list[Sample]:
+        """The particles at each sample time, in the order of time: ``samples[-1]["u"]`` is an array (particles,)."""
+        path = self._files.samples
+        if not path.is_file():
+            return []
+        with readable(path), h5py.File(path, "r") as file:
+            groups = sorted(file.values(), key=lambda group: group.attrs["t"])
+            return [Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups]
 
     @cached_property
     def history(self) -> History:
-        """What the scene follows in time, a NumPy record array (times,); ``to_pandas()`` where pandas is there.
+        """Quantities followed in time, a NumPy record array (times,); ``to_pandas()`` where pandas is installed.
 
         No rows where there is no such file, or a run was killed before its first one.
         """
@@ -197,7 +280,7 @@ class Results:
 
     @cached_property
     def bodies(self) -> Trajectories | None:
-        """What the bodies in the fluid do over time: ``bodies["centre"]``; None where the flow carries none."""
+        """The bodies in the fluid over time: ``bodies["centre"]``; None where the flow carries none."""
         return Trajectories(self._files.bodies) if self._files.bodies.is_file() else None
 
     @cached_property
@@ -205,6 +288,18 @@ class Results:
         """The movie (``.path``; a notebook plays it), None where the run made none."""
 
         return Movie(self._files.movie, self.summary.name) if self._files.movie.is_file() else None
+
+    def snapshots(self, frames: bool = False) -> Iterator[Snapshot]:
+        """Yield the samples with their references, or the stored ``frames``; none where there is no file."""
+        path = self._files.frames if frames else self._files.samples
+        if path.is_file():
+            yield from read_snapshots(path, FRAME_FIELDS if frames else FIELDS)
+
+    def followed(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+        """Return times, followed numbers (times, numbers), and whether resolved (times,) if the file says so."""
+        if not self._files.history.is_file():
+            return np.empty(0), np.empty((0, 0)), None
+        return *read_history(self._files.history), read_resolved(self._files.history)
 
     def exact(self, field: str, x: "ArrayLike", y: "ArrayLike", t: "ArrayLike") -> np.ndarray:
         """Return the reference for ``field`` (``u``, ``v``, ...) at places and times, which broadcast.
@@ -220,23 +315,20 @@ class Results:
 
     def profile_figure(self) -> "Figure":
         """Return profiles at the samples, with the exact curves and the errors, as a matplotlib figure."""
-        from tisph.observers.samples import read_samples
         from tisph.report.plots import profile_figure
 
-        snapshots = read_samples(self._files.samples) if self._files.samples.is_file() else []
+        snapshots = list(self.snapshots())
         if not snapshots:
             raise ConfigError(f"{self.folder}: the run has no sample, so there is no profile")
         return profile_figure(self._scene, snapshots)
 
     def history_figure(self) -> "Figure":
-        """Return what is followed in time, with the exact curves, as a matplotlib figure."""
-        from tisph.observers.history import read_history, read_resolved
+        """Return the quantities followed in time, with the exact curves, as a matplotlib figure."""
         from tisph.report.plots import history_figure
 
-        times, values = read_history(self._files.history) if self._files.history.is_file() else ([], [])
+        times, values, resolved = self.followed()
         if not len(times):
             raise ConfigError(f"{self.folder}: the run has no history")
-        resolved = read_resolved(self._files.history)
         return history_figure(self._scene, self.config.time_series, times, values, resolved)
 
     def _repr_html_(self) -> str:
@@ -249,7 +341,7 @@ class Results:
         return Folder(self.folder)
 
     @cached_property
-    def _scene(self) -> Any:
+    def _scene(self) -> "Scene":
         from tisph import scenes
 
         return scenes.of(self.config)
@@ -258,7 +350,7 @@ class Results:
 def open_run(folder: "str | PathLike[str]") -> Results:
     """Return the ``Results`` of a run that is finished, or was interrupted, or diverged; starts nothing.
 
-    ConfigError where ``folder`` is none of a run.
+    ConfigError where ``folder`` is not the folder of a run.
     """
     results = Results(folder)
     if not Folder(results.folder).config.is_file():

@@ -1,6 +1,6 @@
 """Samples of a run in the files of other programs, one function a format.
 
-* csv: a line a particle and sample; lines before the header that begin with ``#`` say what the file is.
+* csv: a line a particle and sample; lines before the header that begin with ``#`` describe the file.
 * extxyz, extended XYZ: a frame a sample, its box and its columns in the second line (of libAtoms, as ASE and OVITO read
   it), https://github.com/libAtoms/extxyz.
 * npz: arrays by name, ``t`` and ``step`` (samples,), ``x``, ``y``, ``u`` and so on (samples, particles).
@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.observers._storage import Description, hdf5_file, replaced
-from tisph.observers.samples import read_frames, read_samples
+from tisph.folder import hdf5_file, replaced
+from tisph.observers.samples import Description
 from tisph.observers.vtk import append, append_bodies, beside, fields, has_outlines, places
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def write_vtkhdf(path: Path, run: "Results", frames: bool = False, add: Callable
     """
     about = Description(run.config, run._scene)
     with hdf5_file(path) as file:
-        for snapshot in read_frames(run._files.frames) if frames else read_samples(run._files.samples):
+        for snapshot in run.snapshots(frames):
             add(file, snapshot, about)
 
 
@@ -106,7 +106,7 @@ def export(run: "Results", form: str, path: Path | None = None, *, frames: bool 
 
     It is ``path``, or ``samples.FORM`` in the run's folder; with ``frames``, of vtkhdf only, the frames of the movie
     and ``frames.vtkhdf``. Bodies of vtkhdf are in ``..._bodies.vtkhdf`` beside it. ConfigError where there is no sample
-    or frame, TisphError where the file cannot be written; then it is as it was.
+    or frame, TisphError where the file cannot be written; an existing one stays unchanged.
     """
     if form not in FORMATS:
         raise ConfigError(f"--to {form}: must be one of {', '.join(FORMATS)}")

@@ -1,12 +1,15 @@
-"""Checkpoints: every field of a scheme, so that a resumed run gives the bits of an uninterrupted one.
+"""Checkpoints: every field of a scheme, so that a resumed run is bitwise equal to an uninterrupted one.
 
-A checkpoint fits the config that it was made with, or one that runs for longer.
+A checkpoint fits its own config, or one with a later end.
 """
 
 import hashlib
 import io
 import json
 import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -14,13 +17,15 @@ import numpy as np
 from tisph.config import yaml_text
 from tisph.config.yaml_text import in_one_line
 from tisph.errors import ConfigError
-from tisph.observers._storage import readable, replaced
+from tisph.folder import readable, replaced
 from tisph.runtime import ti, view
+from tisph.schemes._protocol import Scheme
 
 OF_LATER_TIMES = ("time.end", "time.samples", "output.video.frames")
-"""Keys that may differ where the end is later: up to the old end they decide nothing but what is looked at."""
+"""Keys that may differ where the end is later: up to the old end they influence only the output."""
 
 MOST_SHOWN = 5
+"""Differences between two configs that a message lists."""
 
 OTHER_STEPS = (
     "the steps before the checkpoint led to the old time.end, so that the bits are not those of a run that had the "
@@ -28,16 +33,16 @@ OTHER_STEPS = (
 )
 
 
-def require_fit(path, made_with, asked, time):
-    """Raise ConfigError with the keys that forbid a run of ``asked`` to go on from the checkpoint ``path`` at ``time``.
+def require_fit(path: Path, made_with: str, asked: str, time: float) -> None:
+    """Raise ConfigError with the keys that prevent a run of ``asked`` from resuming ``path`` at ``time``.
 
-    ``made_with`` and ``asked`` are resolved configs, as YAML.
+    ``made_with`` is the config of the checkpoint ``path``; both are resolved configs, as YAML.
     """
     old, new = (yaml_text.parse(text).data for text in (made_with, asked))
     times = [data["time"] for data in (old, new)]
     later = times[1]["end"] > times[0]["end"]
     found = [text for key, text in _differences(old, new) if not (later and key in OF_LATER_TIMES)]
-    found += _samples(times[0]["end"], *(data["samples"] for data in times), time) if later else []
+    found += _samples(times[0]["end"], times[0]["samples"], times[1]["samples"], time) if later else []
     if found:
         more = f"; and {len(found) - MOST_SHOWN} more" if len(found) > MOST_SHOWN else ""
         raise ConfigError(
@@ -46,8 +51,8 @@ def require_fit(path, made_with, asked, time):
         )
 
 
-def _samples(old_end, old_samples, new_samples, time):
-    """Yield what is wrong with samples that a run to the old end had or should have had."""
+def _samples(old_end: float, old_samples: list[float], new_samples: list[float], time: float) -> Iterator[str]:
+    """Yield the contradictions between the new samples up to ``old_end`` and the old ones."""
     early = [[sample for sample in samples if sample < old_end] for samples in (old_samples, new_samples)]
     if early[0] != early[1]:
         yield f"time.samples before t = {old_end:g} were {early[0]}, are {early[1]}"
@@ -55,8 +60,8 @@ def _samples(old_end, old_samples, new_samples, time):
         yield f"time.samples has t = {old_end:g}, which the checkpoint has passed without a sample"
 
 
-def _differences(old, new, before=""):
-    """Yield dotted key and words for all that differs between two nested maps."""
+def _differences(old: dict[str, Any], new: dict[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
+    """Yield dotted key and description of each difference between two nested maps."""
     for key in sorted(old.keys() | new.keys()):
         if isinstance(old.get(key), dict) and isinstance(new.get(key), dict):
             yield from _differences(old[key], new[key], f"{before}{key}.")
@@ -68,10 +73,10 @@ def _differences(old, new, before=""):
 DIGEST = hashlib.sha256
 
 
-def save(path, scheme, config):
-    """Write the whole state of ``scheme`` in a run of ``config``, as YAML; only a complete file replaces an older one.
+def save(path: Path, scheme: Scheme, config: str) -> None:
+    """Write the state of ``scheme`` and the resolved ``config``, as YAML; only a complete file replaces an older one.
 
-    The file ends with a digest of all before it, which HDF5 does not look at. TisphError where it cannot be written.
+    The file ends with a digest of all bytes before it, which HDF5 ignores. TisphError where it cannot be written.
     """
     image = io.BytesIO()
     with h5py.File(image, "w") as file:
@@ -87,11 +92,11 @@ def save(path, scheme, config):
         os.fsync(file.fileno())  # before the older one is gone
 
 
-def restore(path, scheme, config, targets=()):
-    """Fill ``scheme`` from a checkpoint of the same ``config``, or of one with an earlier end, and aim at ``targets``.
+def restore(path: Path, scheme: Scheme, config: str, targets: Sequence[float] = ()) -> bool:
+    """Fill ``scheme`` from a checkpoint of the same ``config``, or of one with an earlier end, and set its ``targets``.
 
-    Returns whether its steps are those of a run that had these targets from the start. Raises ConfigError where there
-    is none, where it does not fit the config, and where it is not as it was written.
+    Returns whether a run with these targets from the start would have taken the same steps. ConfigError where there is
+    no checkpoint, where it does not fit the config, and where it is damaged.
     """
     if not path.exists():
         raise ConfigError(f"{path}: no checkpoint to resume from; run again with --overwrite")
@@ -108,16 +113,16 @@ def restore(path, scheme, config, targets=()):
     return made_with == config or scheme.set_targets(targets)
 
 
-def config_of(path):
-    """Return the config that the checkpoint ``path`` was made with, as a dict; ConfigError where it cannot be read."""
+def config_of(path: Path) -> dict[str, Any]:
+    """Return the config in the checkpoint ``path``; ConfigError where it cannot be read."""
     if not path.is_file():
         raise ConfigError(f"{path}: no checkpoint to restore")
     with readable(path), h5py.File(io.BytesIO(_image(path)), "r") as file:
         return yaml_text.parse(file.attrs["config"]).data
 
 
-def _image(path):
-    """Return what ``save`` wrote; ValueError if a byte of it has changed, since HDF5 would not always see it."""
+def _image(path: Path) -> memoryview:
+    """Return the HDF5 file that ``save`` wrote; ValueError if a byte has changed, which HDF5 may not detect."""
     content = memoryview(path.read_bytes())
     end = max(0, len(content) - DIGEST().digest_size)
     if DIGEST(content[:end]).digest() != content[end:]:
@@ -125,10 +130,10 @@ def _image(path):
     return content[:end]
 
 
-def _values(scheme):
-    """Yield (name, array in place) for what is used of every Taichi field of the scheme and its parts, and for arrays.
+def _values(scheme: Scheme) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield name and array, in place, of the used part of each Taichi field and of each array of the scheme's parts.
 
-    A field may say so by an attribute ``used``, an index of NumPy; None for nothing that outlives a step.
+    An attribute ``used`` of a field is a NumPy index of that part, or None where nothing outlives a step.
     """
     for part_name, part in scheme.parts().items():
         for name, field in sorted(vars(part).items()):

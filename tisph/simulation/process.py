@@ -1,6 +1,6 @@
-"""What a run needs of its process: Taichi for itself, signals, ``run.log``, and the cost of its parts.
+"""The process of a run: its claim on Taichi, signals, ``run.log``, and the cost of its parts.
 
-Taichi has one program: there is one simulation at a time in a process, and whoever starts another destroys its fields.
+Taichi has one program. Therefore a process has one simulation at a time: starting another destroys its fields.
 """
 
 import logging
@@ -11,19 +11,22 @@ import time
 import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+from typing import Any
 
 from tisph import runtime
 from tisph.errors import TisphError, ending_signals
 
 INSTEAD = "tisph.run has a process of its own for each run"
 
-_open = None
+_open: weakref.ref[Any] | None = None
 
 
-def claim(simulation):
-    """Let ``simulation`` have Taichi; TisphError where another simulation, or a program of somebody else, has it.
+def claim(simulation: Any) -> None:
+    """Claim Taichi for ``simulation``; TisphError where another open simulation or a foreign program uses it.
 
-    A simulation that is finished, or that nobody holds any more, gives way; the finished one keeps its last state.
+    A finished simulation is closed and keeps its last state. One without any reference does not count.
     """
     global _open
     other = _open() if _open else None
@@ -42,16 +45,8 @@ def claim(simulation):
     _open = weakref.ref(simulation)
 
 
-def require(simulation):
-    """Raise TisphError where there is nothing left of ``simulation`` to step."""
-    if simulation.scheme is None:
-        raise TisphError("the simulation is closed; its last state is all that is left of it")
-    if runtime.program() is not simulation.program:
-        raise TisphError("the fields of this simulation are gone: ti.init or ti.reset was called since it began")
-
-
-def release(simulation):
-    """Give Taichi back, if it is that of ``simulation``."""
+def release(simulation: Any) -> None:
+    """Release Taichi, if it is claimed by ``simulation``."""
     global _open
     if _open is not None and _open() is simulation:
         _open = None
@@ -60,24 +55,24 @@ def release(simulation):
 
 
 class Interrupts:
-    """Their ``count``; with ``wait`` there is a state to go on from which is not written yet."""
+    """Their ``count``; ``wait`` is true while the present state of the run is not written yet."""
 
-    def __init__(self, wait=False):
+    def __init__(self, wait: bool = False):
         self.count, self.wait = 0, wait
 
     @contextmanager
-    def counted(self):
-        """Let any of the ``ending_signals`` be counted, for a run that ends after its step; a second one stops it.
+    def counted(self) -> Iterator[None]:
+        """Count the ``ending_signals`` inside, for a run that ends after its step; a second one stops it.
 
-        Where there is a state to go on from, that is after the step, the checkpoint and the summary.
+        With ``wait`` the second one, too, takes effect after the step, the checkpoint and the summary.
         """
 
-        def handle(number, frame):
+        def handle(number: int, frame: FrameType | None) -> None:
             self.count += 1
             if self.count > 1 and not self.wait:
                 raise KeyboardInterrupt
 
-        def unraisable(failure):
+        def unraisable(failure: Any) -> None:
             if failure.exc_type is not KeyboardInterrupt:  # where Python cannot raise it, it was counted at least
                 report(failure)
 
@@ -97,13 +92,13 @@ class Interrupts:
 
 
 @contextmanager
-def interrupts_after():
-    """Let Ctrl-C, which may come at any time in a notebook, take effect after what is done inside."""
+def interrupts_after() -> Iterator[None]:
+    """Delay Ctrl-C, which may come at any time in a notebook, until the block has ended."""
     handler = signal.getsignal(signal.SIGINT)
     if not callable(handler) or threading.current_thread() is not threading.main_thread():
         yield
         return
-    heard = []
+    heard: list[tuple[int, FrameType | None]] = []
     signal.signal(signal.SIGINT, lambda number, frame: heard.append((number, frame)))
     try:
         yield
@@ -123,11 +118,15 @@ def warn(text: str) -> None:
     print(f"warning: {text}", file=sys.stderr)
 
 
+class _LogFile(logging.FileHandler):
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 (logging calls it so)
+        """Do nothing on a full disk: writing the results raises an error of its own."""
+
+
 @contextmanager
-def logging_to(path, append):
-    """Write what is logged meanwhile to ``path``, and the error that ends it, if any."""
-    handler = logging.FileHandler(path, mode="a" if append else "w", encoding="utf-8")
-    handler.handleError = lambda record: None  # a full disk: the results have errors of their own
+def logging_to(path: Path, append: bool) -> Iterator[None]:
+    """Write messages logged inside to the file ``path``, and the error that ends the block, if any."""
+    handler = _LogFile(path, mode="a" if append else "w", encoding="utf-8")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
     log.addHandler(handler)
     log.setLevel(logging.INFO)
@@ -146,7 +145,7 @@ def logging_to(path, append):
 
 
 class Costs:
-    """The ``seconds`` of a run by kind, and when it ``began``.
+    """The ``seconds`` of a run by kind, and the clock time at which it ``began``.
 
     Kinds are imports, compiling kernels, the loop over the steps, and output.
     """
@@ -157,11 +156,11 @@ class Costs:
 
     @contextmanager
     def timed(self, kind: str) -> Iterator[None]:
-        """Add the seconds that this takes to those of a ``kind``, but for those of compiling kernels."""
+        """Add the seconds of the block to ``kind``, and the seconds of compiling kernels to that kind."""
         began, compiled = time.perf_counter(), runtime.compile_seconds()
         try:
             yield
         finally:
-            compiling = runtime.compile_seconds() - compiled  # at the first launch of a kernel, wherever that is
+            compiling = runtime.compile_seconds() - compiled  # a kernel is compiled at its first launch, anywhere
             self.seconds["compile"] += compiling
             self.seconds[kind] += time.perf_counter() - began - compiling

@@ -1,7 +1,7 @@
-"""The folder of results: the observers that leave its files, and what is written when the run ends.
+"""The folder of results: the observers that write its files, and the files that are written when the run ends.
 
-``summary.json`` has the numbers of the run and what else they come from. The drawing process makes the movie and the
-pictures, whose files are written here.
+``summary.json`` has the numbers of the run and their provenance. The drawing process draws the movie and the pictures,
+whose files are written here.
 """
 
 import hashlib
@@ -11,12 +11,15 @@ import platform
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from importlib import metadata
 from itertools import islice
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,34 +27,46 @@ from tisph import config, runtime, scenes
 from tisph.config.checks import colours
 from tisph.config.schema import Video
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.folder import Folder, claimed
+from tisph.folder import Folder, claimed, hdf5_file, replaced
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import steady_since
-from tisph.observers._storage import hdf5_file, replaced, write_snapshot
-from tisph.observers.history import History, Trajectories, read_history, read_resolved
-from tisph.observers.samples import Frames, Samples, read_frames, read_samples
-from tisph.observers.schedule import Checkpoints, even_times
+from tisph.observers.history import History, Trajectories, read_history
+from tisph.observers.protocol import Checkpoints, Observer, even_times
+from tisph.observers.samples import Frames, Samples, write_snapshot
 from tisph.report import drawing_process
 from tisph.report.drawing_process import RemoteMovie, described, shared
+from tisph.results import Results
+from tisph.scenes._scene import Scene
 from tisph.simulation import checkpoint
 from tisph.simulation.process import Interrupts, log, logging_to
+from tisph.snapshot import Snapshot
 from tisph.version import __version__
 
 
 class Recording:
-    """What a ``simulation`` leaves in ``folder``: with the movie and the plots, if they are wanted.
+    """Writes the results of a ``simulation`` into ``folder``; ``pictures`` and ``video`` ask for plots and movie.
 
-    It gives its observers to the simulation, which tells it how the run ended. ``interrupts`` counts those of a run
-    that is to end with all its results; they wait as long as there is a state to go on from that is not written.
+    It adds its observers to the simulation, which calls ``finish`` or ``fail`` at the end of the run. ``interrupts``
+    counts the signals that end the run; they are delayed while the present state of the run is not written.
     """
 
-    def __init__(self, simulation, folder, *, pictures, video, interrupts=None):
+    def __init__(
+        self,
+        simulation: Any,
+        folder: Folder,
+        *,
+        pictures: bool,
+        video: bool,
+        interrupts: Interrupts | None = None,
+    ):
         self.simulation, self.folder = simulation, folder
         self.drawn = pictures
         self.interrupts = interrupts or Interrupts(wait=True)
         self.about = simulation.about
-        self.status, self.message, self.summary = "failed", None, None
-        self.pictures = []
+        self.status = "failed"
+        self.message: str | None = None
+        self.summary: dict[str, Any] | None = None
+        self.pictures: list[Picture] = []
         self.held = ExitStack()
         self.ended = False
         settings, scene = simulation.config, simulation.scene
@@ -61,8 +76,8 @@ class Recording:
             self._open(simulation.time if simulation.restored else None)
 
     @classmethod
-    def of(cls, simulation, root, *, overwrite, video):
-        """Return the record of a run that is stepped by hand; the folder is kept from others until the run ends.
+    def of(cls, simulation: Any, root: Path, *, overwrite: bool, video: bool) -> "Recording":
+        """Return the recording of a run that is stepped from Python; the folder is locked until the run ends.
 
         TisphError where the results cannot be written, ConfigError where the folder must not be used.
         """
@@ -78,7 +93,7 @@ class Recording:
         recording.held = held
         return recording
 
-    def _open(self, resumed_at):
+    def _open(self, resumed_at: float | None) -> None:
         settings, scene, folder = self.simulation.config, self.simulation.scene, self.folder
         with replaced(folder.config) as new:
             new.write_text(self.about.resolved, encoding="utf-8")
@@ -86,11 +101,11 @@ class Recording:
         followed = scene.time_series(**settings.time_series)
         self.samples = Samples(folder.samples, scene, settings.time.samples, resumed_at, self.about)
         self.history = History(folder.history, scene, followed, end, resumed_at, self.about)
-        self.observers = [self.samples, self.history]
+        self.observers: list[Observer] = [self.samples, self.history]
         if scene.has_free_bodies:
             self.observers.append(Trajectories(folder.bodies, scene, end, resumed_at, self.about))
         if output.vtk:
-            from tisph.observers.vtk import Vtk  # who does not want it does not pay for it
+            from tisph.observers.vtk import Vtk  # imported only where it is wanted
 
             self.observers.append(Vtk(folder.vtk, self.samples, resumed_at, self.about))
         if self.movie:
@@ -101,25 +116,25 @@ class Recording:
         if output.checkpoint_every:
             self.simulation.observe(Checkpoints(output.checkpoint_every, self.save))
 
-    def save(self):
-        """Write the checkpoint, and all that came before it, which a run that goes on from there needs."""
+    def save(self) -> None:
+        """Write the checkpoint, and all earlier output, which a resumed run needs."""
         try:
             for observer in self.observers:
                 observer.flush()
         finally:
             checkpoint.save(self.folder.checkpoint, self.simulation.scheme, self.about.resolved)
 
-    def fail(self, error):
-        """Write what is known once ``error`` has ended the run; no other error comes in its place."""
+    def fail(self, error: Exception) -> None:
+        """Write the results once ``error`` has ended the run; raises no other error."""
         if isinstance(error, DivergedError):
             self._end("diverged", str(error))
         else:
             self._end("failed", f"{type(error).__name__}: {error}")
 
-    def finish(self, status):
-        """Write what is known once the run is ``done`` or ``interrupted``; raises what kept a file from being written.
+    def finish(self, status: str) -> None:
+        """Write the results once the run is ``done`` or ``interrupted``; raises the first error of writing a file.
 
-        TisphError for one that the system does not let be written.
+        TisphError for a file that the system refuses to write.
         """
         failures = self._end(status, None)
         if failures and isinstance(failures[0], OSError):
@@ -127,12 +142,12 @@ class Recording:
         if failures:
             raise failures[0]
 
-    def _end(self, status, message):
-        """Write what is known at the end; return the errors, none of which keeps the rest from being written."""
+    def _end(self, status: str, message: str | None) -> list[Exception]:
+        """Write all files of the end, whatever fails in between; return the errors."""
         if self.ended:
             return []
         self.ended, self.status, self.message = True, status, message
-        failures = []
+        failures: list[Exception] = []
         try:
             with self.simulation.costs.timed("output"):
                 for write in self._last_files():
@@ -149,13 +164,13 @@ class Recording:
             self.held.close()
         return failures
 
-    def _last_files(self):
-        """Yield what writes the last files, the most precious first; a second interrupt leaves out the rest of them."""
+    def _last_files(self) -> Iterator[Callable[[], None]]:
+        """Yield the functions that write the last files, the most precious first; a second interrupt skips the rest."""
         if self.interrupts.wait or self.status != "interrupted":
             if self.status == "interrupted":
                 yield self.save
             if self.drawn:
-                yield self._begin_pictures  # drawn beside the rest
+                yield self._begin_pictures  # drawn while other files are written
             yield self._summarise
         self.interrupts.wait = False
         if self.interrupts.count > 1:
@@ -166,46 +181,43 @@ class Recording:
         yield from (observer.close for observer in self.observers)
         yield from (picture.write for picture in self.pictures)
 
-    def _begin_pictures(self):
+    def _begin_pictures(self) -> None:
         self.pictures = begin_pictures(self.folder, self.simulation.config, self.simulation.scene)
 
-    def _summarise(self):
+    def _summarise(self) -> None:
         self.summary = summarise(self)
         write_summary(self.folder.summary, self.summary)
 
 
-def summarise(recording):
+def summarise(recording: Recording) -> dict[str, Any]:
     """Return the summary of a run that has ended in whatever way, from its ``Recording``."""
     simulation, history = recording.simulation, recording.history
-    scene, config = simulation.scene, simulation.config
+    scene, config, scheme = simulation.scene, simulation.config, simulation.scheme
     snapshots = recording.samples.snapshots
+    balance = scheme.momentum_balance()
     return {
         "name": config.name,
         "status": recording.status,
         **({"message": recording.message} if recording.message else {}),
         "samples": [sample_metrics(scene, snapshot, history.reading(snapshot)) for snapshot in snapshots],
-        "numbers": _numbers(scene, simulation.scheme, history),
-        "momentum": _momentum(simulation.scheme),
+        "numbers": {
+            "reynolds": scene.reynolds,
+            "reference_velocity": scene.reference_velocity,
+            "spacing": scene.spacing,
+            "particles_fluid": scene.particles,
+            **scheme.numbers(),
+            **_steady(history),
+            "dt_min": scheme.shortest if scheme.steps else None,
+            "dt_max": scheme.longest if scheme.steps else None,
+        },
+        "momentum": {key: part if part is not None and math.isfinite(part) else None for key, part in balance.items()},
         "cost": cost(simulation),
         "provenance": provenance(config, recording.about.resolved, simulation.threads),
     }
 
 
-def _numbers(scene, scheme, history):
-    return {
-        "reynolds": scene.reynolds,
-        "reference_velocity": scene.reference_velocity,
-        "spacing": scene.spacing,
-        "particles_fluid": scene.particles,
-        **scheme.numbers(),
-        **_steady(history),
-        "dt_min": scheme.shortest if scheme.steps else None,
-        "dt_max": scheme.longest if scheme.steps else None,
-    }
-
-
-def _steady(history):
-    """Since when the numbers that the scene follows have been the last ones, of scenes that may become steady."""
+def _steady(history: History) -> dict[str, float | None]:
+    """Return ``steady_since`` of the numbers that the scene follows; empty for scenes that never become steady."""
     series = history.time_series
     if not series.sizes:
         return {}
@@ -214,14 +226,8 @@ def _steady(history):
     return {"steady_since": steady_since(*read_history(history.path), sizes)}
 
 
-def _momentum(scheme):
-    """The balance of momentum along x [mass * velocity per length out of the plane]; None for what is no number."""
-    balance = scheme.momentum_balance()
-    return {key: value if value is not None and math.isfinite(value) else None for key, value in balance.items()}
-
-
-def cost(simulation):
-    """Return what the run has cost by now; times elapsed, in seconds of the clock."""
+def cost(simulation: Any) -> dict[str, float | None]:
+    """Return the cost of the run so far: steps, elapsed seconds of the clock, speed and memory."""
     steps, loop = simulation.steps - simulation.first_step, simulation.costs.seconds["loop"]
     return {
         "steps": simulation.steps,
@@ -232,21 +238,23 @@ def cost(simulation):
     }
 
 
-def write_last_good(folder, channel, config, snapshot):
-    """Keep the last sound state of a run that went wrong, as data and as a picture."""
+def write_last_good(folder: Folder, scene: Scene, config: Any, snapshot: Snapshot) -> None:
+    """Write the last sound state of a diverged run, as data and as a picture."""
     with replaced(folder.last_good) as new, hdf5_file(new) as file:
         write_snapshot(file, snapshot)
-    begin_still(folder.last_good_picture, config, channel, snapshot).write()
+    video = config.output.video or type(config.output).model_fields["video"].default
+    frame = shared().request("still", *described(scene, video), config.name, config.time.end, snapshot)
+    Picture(folder.last_good_picture, frame.result).write()
 
 
-def write_summary(path, summary):
+def write_summary(path: Path, summary: dict[str, Any]) -> None:
     """Write ``summary`` as JSON, whole or not at all."""
     with replaced(path) as new:
         new.write_text(json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def provenance(config, resolved, threads):
-    """Return what else a number in the summary depends on; ``resolved`` is the config as YAML."""
+def provenance(config: Any, resolved: str, threads: int) -> dict[str, Any]:
+    """Return versions, machine and settings that the numbers depend on; ``resolved`` is the config as YAML."""
     packages = (runtime.PACKAGE, "numpy", "scipy", "h5py", "pydantic", "matplotlib")
     return {
         "versions": {
@@ -264,13 +272,13 @@ def provenance(config, resolved, threads):
     }
 
 
-def fingerprint(resolved):
-    """Return a hash of all that decides a run's outcome: the ``resolved`` config as YAML."""
+def fingerprint(resolved: str) -> str:
+    """Return a hash of the ``resolved`` config as YAML, which determines the outcome of a run."""
     return hashlib.sha256(resolved.encode()).hexdigest()[:16]
 
 
-def _commit():
-    """Return the commit of the checkout that the package lies in, None for an installed package."""
+def _commit() -> str | None:
+    """Return the commit of the checkout that contains the package; None for an installed package."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():
         return None
@@ -287,8 +295,8 @@ def _commit():
     return run.stdout.strip()
 
 
-def peak_memory_mb():
-    """Return the largest resident memory of this process so far, None where the system does not tell."""
+def peak_memory_mb() -> float | None:
+    """Return the largest resident memory of this process so far; None where the system does not report it."""
     try:
         import resource
     except ImportError:
@@ -298,71 +306,67 @@ def peak_memory_mb():
 
 
 VIDEO = "output.video."
-"""What the keys of the movie begin with."""
+"""Start of the keys of the movie."""
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture that is being drawn, for the file ``path``: ``image`` waits for it and returns it as PNG."""
+    """A picture that is being drawn for the file ``path``: ``image`` waits for it and returns it as PNG."""
 
     path: Path
-    image: Callable
+    image: Callable[[], Any]
 
-    def write(self):
-        """Wait for it and write it. TisphError where it could not be drawn or cannot be written."""
+    def write(self) -> None:
+        """Wait for the picture and write it; TisphError where it could not be drawn or cannot be written."""
         image = self.image()
         with replaced(self.path) as new:
             new.write_bytes(image)
 
 
-def movie(folder, settings, channel):
+def movie(folder: Folder, settings: Any, scene: Scene) -> RemoteMovie:
     """Return the movie of a run, to which frames can be added."""
-    return RemoteMovie(shared(), folder.movie, channel, settings.output.video, settings.name, settings.time.end)
+    return RemoteMovie(shared(), folder.movie, scene, settings.output.video, settings.name, settings.time.end)
 
 
-def begin_pictures(folder, settings, channel):
-    """Let profiles.png and history.png be drawn from the stored samples and history; return those there will be."""
-    wanted, paths = {}, {"profiles": folder.profiles_picture, "history": folder.history_picture}
-    snapshots = read_samples(folder.samples) if folder.samples.exists() else []
+def begin_pictures(folder: Folder, settings: Any, scene: Scene) -> list[Picture]:
+    """Start to draw profiles.png and history.png from the stored samples and history, as far as there are any."""
+    results, wanted = Results(folder.root), dict[str, tuple[Any, ...]]()
+    paths = {"profiles": folder.profiles_picture, "history": folder.history_picture}
+    snapshots = list(results.snapshots())
     if snapshots:
         wanted["profiles"] = (snapshots,)
-    times, values = read_history(folder.history) if folder.history.exists() else ((), ())
+    times, values, resolved = results.followed()
     if len(times):
-        wanted["history"] = settings.time_series, times, values, read_resolved(folder.history)
-    drawn = shared().request("plots", described(channel)[0], wanted) if wanted else None
-    return [Picture(paths[name], lambda name=name: drawn.result()[name]) for name in wanted]
+        wanted["history"] = settings.time_series, times, values, resolved
+    if not wanted:
+        return []
+    drawn = shared().request("plots", described(scene)[0], wanted)
+    return [Picture(paths[name], partial(lambda name: drawn.result()[name], name)) for name in wanted]
 
 
-def begin_still(path, settings, channel, snapshot):
-    """Let the frame of ``snapshot`` be drawn for the file ``path``."""
-    video = settings.output.video or type(settings.output).model_fields["video"].default
-    scene = described(channel, video)
-    return Picture(path, shared().request("still", *scene, settings.name, settings.time.end, snapshot).result)
-
-
-def render(run_dir, overrides=(), gif=False):
-    """Draw what the files in ``run_dir`` allow and return the paths of the pictures.
+def render(run_dir: str | PathLike[str], overrides: Sequence[str] = (), gif: bool = False) -> list[Path]:
+    """Draw the pictures for which ``run_dir`` has files, and return their paths.
 
     ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
-    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, its files
-    cannot be read or do not have what is asked for, TisphError where the pictures cannot be written.
+    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, or its files
+    cannot be read or lack a wanted field; TisphError where the pictures cannot be written.
     """
     folder = Folder(run_dir)
     if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
         raise ConfigError(f"{folder.root}: has nothing to draw: neither samples.h5 nor history.csv nor frames.h5")
     _require_movie_keys(folder, overrides)
-    settings = config.load(folder.config, overrides)
-    channel = scenes.of(settings)
+    settings: Any = config.load(folder.config, overrides)
+    scene = scenes.of(settings)
     if overrides:
-        _require_fields(folder, channel, settings.output.video.color_by)
-    pictures = begin_pictures(folder, settings, channel)
+        _require_fields(folder, scene, settings.output.video.color_by)
+    pictures = begin_pictures(folder, settings, scene)
     for picture in pictures:
         picture.write()
     drawn = [picture.path for picture in pictures]
     if settings.output.video and folder.frames.exists():
-        film = movie(folder, settings, channel)
+        film = movie(folder, settings, scene)
         try:
-            for snapshot in read_frames(folder.frames):
+            for snapshot in Results(folder.root).snapshots(frames=True):
                 film.add(snapshot)
         finally:
             film.close()
@@ -370,22 +374,22 @@ def render(run_dir, overrides=(), gif=False):
     return [*drawn, *_small(folder)] if gif else drawn
 
 
-def _small(folder):
+def _small(folder: Folder) -> tuple[Path, Path]:
     """Write the movie as GIF and its last frame, and return their paths; ConfigError where there is no movie."""
-    from tisph.report.encoder import (
-        poster,
-        write_gif,  # a run, which needs neither, does not pay for imageio-ffmpeg and Pillow
-    )
+    from tisph.report.encoder import poster, write_gif  # a run does not import imageio-ffmpeg and Pillow
 
     if not folder.movie.is_file():
         raise ConfigError(f"{folder.root}: there is no {folder.movie.name} to make a GIF of")
     write_gif(folder.movie, folder.movie_gif)
-    folder.poster.write_bytes(poster(folder.movie))
+    image = poster(folder.movie)
+    if image is None:
+        raise ConfigError(f"{folder.movie}: is no complete movie")
+    folder.poster.write_bytes(image)
     return folder.movie_gif, folder.poster
 
 
-def _require_movie_keys(folder, overrides):
-    """Raise ConfigError for what is no key of the movie, or another number of frames, or where there are no frames."""
+def _require_movie_keys(folder: Folder, overrides: Sequence[str]) -> None:
+    """Raise ConfigError for an unknown key of the movie, another number of frames, or where there are no frames."""
     for text in overrides:
         key = text.partition("=")[0].strip()
         if not key.startswith(VIDEO) or key == f"{VIDEO}frames":
@@ -395,10 +399,10 @@ def _require_movie_keys(folder, overrides):
         raise ConfigError(f"{folder.root}: the run kept no frames ({folder.frames.name}), so there is no other movie")
 
 
-def _require_fields(folder, channel, color_by):
+def _require_fields(folder: Folder, scene: Scene, color_by: str) -> None:
     """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
-    for snapshot in islice(read_frames(folder.frames), 1):
-        lacking = [name for name in channel.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
+    for snapshot in islice(Results(folder.root).snapshots(frames=True), 1):
+        lacking = [name for name in scene.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
         if lacking:
             raise ConfigError(
                 f"{VIDEO}color_by = {color_by}: {folder.frames} has no {', '.join(lacking)}; "

@@ -1,4 +1,4 @@
-"""``tisph run``: a simulation to its end, with the observers that leave a folder of results.
+"""``tisph run``: a simulation to its end, with the observers that write the folder of results.
 
 Progress is a bar with the remaining time on a terminal, plain lines otherwise.
 """
@@ -6,11 +6,15 @@ Progress is a bar with the remaining time on a terminal, plain lines otherwise.
 import math
 import sys
 import time
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
 
 from tisph import version
+from tisph.config import Config
 from tisph.errors import TisphError
 from tisph.folder import Folder
-from tisph.observers.protocol import StateObserver
+from tisph.observers.protocol import LastStep, StateObserver
 from tisph.report import drawing_process
 from tisph.simulation.process import Interrupts, logging_to
 from tisph.simulation.recording import Recording
@@ -20,25 +24,25 @@ REFRESH = 0.2
 """Seconds between two updates of the bar."""
 
 LOOK = 0.05
-"""Seconds between two looks at how far the run is."""
+"""Seconds between two checks of the progress."""
 
 LINES = 10
 """Plain lines over a whole run of medium length."""
 
 SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 60.0
-"""Seconds between two plain lines; the first one and the last one come at once."""
+"""Least and largest number of seconds between two plain lines; the first and the last one are printed at once."""
 
 LEAST_BAR = 30
-"""Columns of the terminal that are kept for bar, percentage and remaining time."""
+"""Columns of the terminal reserved for bar, percentage and remaining time."""
 
 
 class RunProgress(StateObserver):
-    """Shows how far a run from ``start`` to ``end`` is, and its particle-steps per second.
+    """Shows the progress of a run from ``start`` to ``end``, and its particle-steps per second.
 
-    It is its own schedule, by the clock on the wall.
+    It is its own schedule, on the wall clock.
     """
 
-    def __init__(self, start, end, particles, unit):
+    def __init__(self, start: float, end: float, particles: int, unit: str):
         self.start, self.end = start, end
         self.particles, self.unit = particles, unit
         self.schedule = self
@@ -48,50 +52,48 @@ class RunProgress(StateObserver):
         self.lines = 0
         self.bar = None
         if sys.stderr.isatty():
-            from tisph.report.terminal_bar import terminal_bar  # where there is no terminal nothing waits for it
+            from tisph.report.terminal_bar import terminal_bar  # imported only on a terminal
 
             self.bar = terminal_bar()
             self.task = self.bar.add_task("", total=1.0, state="")
 
-    def __enter__(self):
+    def __enter__(self) -> "RunProgress":
         if self.bar:
             self.bar.start()
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         if self.bar:
             self.bar.stop()
 
-    def begin(self, start, time, steps):
+    def begin(self, start: float, time: float, steps: int) -> None:
         """Count the steps from here."""
         self.first_step = steps
 
-    def due(self, now, steps):
-        """Tell whether it is worth while to look again."""
-        return now >= self.end or time.perf_counter() - self.looked > LOOK
-
-    def pending(self, now, steps):
-        """Return nothing: no state is needed."""
+    def take(self, now: float, steps: int) -> list[float] | None:
+        """Return no times, as no state is needed, where the next check is due."""
+        if now < self.end and time.perf_counter() - self.looked <= LOOK:
+            return None
+        self.looked = time.perf_counter()
         return []
 
-    def mark(self, now, steps):
-        """Take note that somebody has looked."""
-        self.looked = time.perf_counter()
-
-    def tell(self, step, times):
-        """Show where the run is."""
+    def tell(self, step: LastStep, times: Sequence[float]) -> None:
+        """Show the progress."""
         if step.steps > self.first_step:
             self.update(step.time, step.steps)
 
-    def update(self, now, steps):
-        """Show simulated time ``now`` and ``steps`` if it is time to."""
+    def update(self, now: float, steps: int) -> None:
+        """Show simulated time ``now`` and ``steps``, unless the last output is too recent."""
         wall = time.perf_counter()
         part = (now - self.start) / (self.end - self.start)
         if self.bar and (wall - self.shown > REFRESH or part >= 1.0):
             self.shown = wall
             state = self._state(now, steps, wall, self.bar.console.width - LEAST_BAR)
             self.bar.update(self.task, completed=part, state=state)
-        elif not self.bar and self._line_due(part, wall - self.shown):
+            return
+        pause = wall - self.shown
+        further = int(part * LINES) > self.lines and (pause > SHORTEST_PAUSE or self.lines == 0 or part >= 1.0)
+        if not self.bar and (further or pause > LONGEST_PAUSE):
             self.lines, self.shown = int(part * LINES), wall
             left = (wall - self.began) * (1.0 - part) / part
             print(
@@ -100,12 +102,8 @@ class RunProgress(StateObserver):
                 flush=True,
             )
 
-    def _line_due(self, part, pause):
-        further = int(part * LINES) > self.lines and (pause > SHORTEST_PAUSE or self.lines == 0 or part >= 1.0)
-        return further or pause > LONGEST_PAUSE
-
-    def _state(self, now, steps, wall, columns=sys.maxsize):
-        """Time, step and speed, as many of them as fit into ``columns``."""
+    def _state(self, now: float, steps: int, wall: float, columns: int = sys.maxsize) -> str:
+        """Return time, step and speed, as many of them as fit into ``columns``."""
         rate = (steps - self.first_step) * self.particles / max(wall - self.began, 1e-9)
         state = ""
         for text in (f"t = {now:.4g} {self.unit}", f"step {steps}", f"{rate / 1e6:.2f} M particle-steps/s"):
@@ -116,20 +114,22 @@ class RunProgress(StateObserver):
         return state
 
 
-def run(config, out_dir, *, pictures=True, video=True, resume=False):
-    """Run ``config`` into the folder ``out_dir`` and return its path; with the movie and the plots, if they are wanted.
+def run(
+    config: Config, out_dir: str | PathLike[str], *, pictures: bool = True, video: bool = True, resume: bool = False
+) -> Path:
+    """Run ``config`` into the folder ``out_dir`` and return its path; ``pictures`` and ``video`` ask for them.
 
-    ``resume`` goes on from the checkpoint there. Raises ConfigError for a checkpoint that does not fit,
-    DivergedError for a run that went wrong and KeyboardInterrupt after Ctrl-C; the last two leave all results
-    up to then and say so in ``summary.json``, and after Ctrl-C a checkpoint too. TisphError where the results
-    cannot be written: it names the first file that could not be, and those written before are as they were.
+    ``resume`` continues from the checkpoint there. Raises ConfigError for a checkpoint that does not fit, DivergedError
+    for a diverged run and KeyboardInterrupt after Ctrl-C. The last two leave all results up to then and a status in
+    ``summary.json``; Ctrl-C leaves a checkpoint, too. TisphError where the results cannot be written: it names the
+    first file that failed, and the files written before it are complete.
     """
     folder = Folder(out_dir)
     simulation = None
     try:
         folder.root.mkdir(parents=True, exist_ok=True)
         if pictures or video:
-            drawing_process.shared()  # it gets ready while this process does
+            drawing_process.shared()  # it starts while this process compiles
         interrupts = Interrupts()
         with logging_to(folder.log, append=resume), interrupts.counted():
             imported = time.perf_counter() - version.PROCESS_START
@@ -145,8 +145,8 @@ def run(config, out_dir, *, pictures=True, video=True, resume=False):
     return folder.root
 
 
-def _to_the_end(simulation, recording, interrupts):
-    """Step to the end, or until an interrupt, and write what is known then, whatever ends the run."""
+def _to_the_end(simulation: Simulation, recording: Recording, interrupts: Interrupts) -> None:
+    """Step to the end, or until an interrupt, and write the results, whatever ends the run."""
     try:
         simulation.place()
         interrupts.wait = True

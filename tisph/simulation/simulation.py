@@ -1,50 +1,52 @@
-"""A simulation in your hand: it steps when it is told to, can be looked at in between, and writes nothing unasked."""
+"""A simulation stepped from Python: it can be read between steps, and writes files only on request."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from copy import copy
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias
+from types import new_class
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 from tisph import runtime, scenes, schemes
-from tisph.config import Config
 from tisph.config.loader import Asked, loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.observers._storage import Description
 from tisph.observers.guard import Guard
-from tisph.observers.protocol import Observer, Schedule
-from tisph.observers.schedule import EveryTime
+from tisph.observers.protocol import EveryTime, Observer, Schedule
+from tisph.observers.samples import Description
+from tisph.scenes._scene import Scene
+from tisph.schemes._protocol import Scheme
 from tisph.simulation import checkpoint, process
 from tisph.simulation.checkpoint import OTHER_STEPS
-from tisph.simulation.functions import with_functions
 from tisph.simulation.process import Costs, interrupts_after, log, warn
 from tisph.simulation.recording import Recording
 from tisph.simulation.state import Callback, LastStep, State, start_snapshot, start_values, useful_threads
+from tisph.snapshot import Snapshot
 
-Field: TypeAlias = "Callable[[np.ndarray, np.ndarray, float], tuple[Any, ...]]"
-"""A field of places x, y and a time: its physical components, one array (or number) each."""
+Field: TypeAlias = Callable[[np.ndarray, np.ndarray, float], Sequence[Any]]
+"""Function of places x, y and a time that returns physical components of a field, one array (or number) each."""
 
 REMOVED = 1e-3
-"""Part of the largest velocity from which on a user is told that the divergence of an initial velocity was removed."""
+"""Change of an initial velocity by removing its divergence, over the largest velocity, above which a user is warned."""
 
 
 class Simulation:
-    """A run that goes on step by step, in this process; ``config`` is a YAML file, a dict or a ``Config``.
+    """A run that advances step by step in this process; ``config`` is a YAML file, a dict or a ``Config``.
 
-    ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results``
-    asks for it. ``initial_velocity``, ``body_force`` (an acceleration) and ``conformation_source`` are functions of
-    (x, y, t), arrays of places and a time, that return physical components. The first two have them along x and y, in
-    axisymmetric flow along the axis, along the radius and around the axis; the source of the conformation tensor
-    [1/time] has xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. There is no reference then; where functions
-    alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an initial velocity
-    in two-dimensional flow; a warning says so where that changes it.
+    ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results`` is
+    called. ``initial_velocity``, ``body_force`` (an acceleration) and ``conformation_source`` are functions of (x, y,
+    t), arrays of places and a time, that return physical components. The first two have components along x and y, in
+    axisymmetric flow along the axis, along the radius and around the axis. The source of the conformation tensor
+    [1/time] has xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. With a function there is no reference; where
+    functions alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an
+    initial velocity in two-dimensional flow; a warning says so where that changes it.
 
-    Its steps are those of ``tisph run``, bitwise: whoever looks does not change them. Ctrl-C takes effect after the
-    step that is being taken, and the simulation can go on from there. There can be one open simulation in a process;
-    ``close`` ends it, as does a ``with`` block. DivergedError where a state is not sound.
+    Its steps equal the steps of ``tisph run`` bitwise, whatever is read in between. Ctrl-C takes effect after the
+    present step, and the simulation can continue from there. A process can have one open simulation; ``close`` ends it,
+    as does a ``with`` block. DivergedError where a state is not sound.
     """
 
     def __init__(
@@ -70,10 +72,10 @@ class Simulation:
         conformation_source: "Field | None" = None,
         **overrides: Any,
     ) -> "Simulation":
-        """Return the simulation that was saved in ``path``; it goes on bitwise as it would have.
+        """Return the simulation that was saved in ``path``; it continues bitwise as the saved one would have.
 
-        ``config`` is the one that it was made with if none is given; ``time.end`` may be later, with samples after the
-        old end. Functions are to be given again. ConfigError where the checkpoint does not fit.
+        Without a ``config`` it has the config of the checkpoint. A given config may differ in a later ``time.end``,
+        with samples after the old end. Functions must be given again. ConfigError where the checkpoint does not fit.
         """
         simulation = cls.__new__(cls)
         if config is None:
@@ -81,7 +83,7 @@ class Simulation:
         simulation._set_up(loaded(config, overrides), Path(path), None, body_force, conformation_source)
         return simulation
 
-    def _set_up(self, config: Config, restored_from: Path | None, *functions: Any) -> None:
+    def _set_up(self, config: Any, restored_from: Path | None, *functions: Any) -> None:
         self.config = config
         self.resolved, self.reason = schemes.resolve(config)
         self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, *functions)
@@ -92,9 +94,11 @@ class Simulation:
         self.guard = Guard(self.scene)
         self.observers: list[Observer] = [self.guard]
         self.callbacks: list[Callback] = []
-        self.recording = None
+        self.recording: Recording | None = None
         self.restored = restored_from is not None
-        self.scheme = self._last = self._start = None
+        self.scheme: Scheme | None = None
+        self._last: State | None = None
+        self._start: Snapshot | None = None
         self._begun = False
         process.claim(self)
         try:
@@ -109,11 +113,11 @@ class Simulation:
         config = self.resolved
         targets = sorted({*config.time.samples, config.time.end})
         self.program = runtime.program()
-        self.scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
+        scheme = schemes.build(config, self.scene.in_flow_frame(), targets, serial=self.threads == 1)
         log.info("scheme %s", self.reason)
-        if restored_from and not checkpoint.restore(restored_from, self.scheme, self.about.resolved, targets):
+        if restored_from and not checkpoint.restore(restored_from, scheme, self.about.resolved, targets):
             warn(OTHER_STEPS)
-        self.first_step = self.scheme.steps
+        self.scheme, self.first_step = scheme, scheme.steps
         log.info("%s: %d particles, %d threads", self.config.name, self.scene.particles, self.threads)
 
     def __repr__(self) -> str:
@@ -128,12 +132,12 @@ class Simulation:
     @property
     def time(self) -> float:
         """Time at the end of the last step."""
-        return self._last.t if self.scheme is None else self.scheme.time
+        return self.state.t if self.scheme is None else self.scheme.time
 
     @property
     def steps(self) -> int:
         """Steps of the run so far."""
-        return self._last.step if self.scheme is None else self.scheme.steps
+        return self.state.step if self.scheme is None else self.scheme.steps
 
     @property
     def finished(self) -> bool:
@@ -142,30 +146,38 @@ class Simulation:
 
     @property
     def state(self) -> State:
-        """The particles at the end of the last step; at the start, as the config says, before the first one."""
+        """The particles at the end of the last step; before the first one the start of the config."""
         if self.scheme is not None and (self._last is None or self._last.step != self.scheme.steps):
             self.begin()
             self._last = State(self._start or self._last_step().at(self.scheme.time), self.scene)
+        if self._last is None:
+            raise TisphError("the simulation is closed, and its last state was not stored")
         return self._last
 
     def step(self) -> None:
-        """Take one step and tell observers and callbacks what is due; TisphError where the run has ended."""
+        """Take one step and call the observers and callbacks that are due; TisphError where the run has ended."""
         self.begin()
-        if self.scheme.finished:
+        scheme = self._open_scheme()
+        if scheme.finished:
             raise TisphError(f"the run has ended, at t = {self.time:g}: there is no further step")
-        self._call_back()  # what an interrupt has left
+        self._call_back()  # callbacks that an interrupt has prevented
         with interrupts_after(), self._ending_on_failure():
-            self._advance()
+            self._start = None
+            try:
+                with self.costs.timed("loop"):
+                    scheme.advance()
+            except DivergedError:
+                self._last_step().check()  # the guard may name the cause more plainly
+                raise
             self._tell()
         self._call_back()
-        if self.scheme.finished and self.recording:
+        if scheme.finished and self.recording:
             self.recording.finish("done")
 
     def run_until(self, time: float) -> State:
         """Step until ``time`` is reached and return the state then.
 
-        Steps go on to where they would have ended: the state is interpolated within the last one where the scheme
-        does that, else it is that at the end of the step (``state.t`` tells).
+        It is interpolated within the last step, or is the end of that step (``state.t``) if the scheme cannot do so.
         """
         if time > self.config.time.end:
             raise ConfigError(
@@ -180,34 +192,34 @@ class Simulation:
     def every(self, interval: float) -> Iterator[State]:
         """Step to the end of the run, and yield the states at the multiples of ``interval`` on the way.
 
-        Multiples count from the start of the run's clock, and those after the present time are yielded.
+        Multiples count from the start of the run's clock, and start after the present time.
         """
         schedule = EveryTime(interval)
         schedule.begin(self.scene.start_time, self.time, self.steps)
         while not self.finished:
             self.step()
-            due = self.scheme.output_times(schedule.pending(self.time, self.steps))
-            schedule.mark(self.time, self.steps)
+            due = self._open_scheme().output_times(schedule.take(self.time, self.steps) or [])
             yield from [self._state_at(each) for each in due]
 
     def on(self, schedule: Schedule, function: Callable[[State], Any]) -> None:
-        """Let ``function`` be called with the state whenever ``schedule``, of ``tisph.every``, says that it is due."""
-        schedule.begin(self.scene.start_time, self.time, self.steps)
-        self.callbacks.append(Callback(schedule, function, self.scene))
+        """Call ``function`` with the state whenever ``schedule``, from ``tisph.every``, has a time due."""
+        own = copy(schedule)  # one schedule may be given for several functions
+        own.begin(self.scene.start_time, self.time, self.steps)
+        self.callbacks.append(Callback(own, function, self.scene))
 
     def save(self, path: "str | PathLike[str]") -> None:
-        """Write the whole state into the file ``path``, from which ``restore`` goes on bitwise as it would have."""
+        """Write the whole state into the file ``path``, from which ``restore`` continues bitwise."""
         self.begin()
-        checkpoint.save(Path(path), self.scheme, self.about.resolved)
+        checkpoint.save(Path(path), self._open_scheme(), self.about.resolved)
 
     def results(self, folder: "str | PathLike[str]", *, overwrite: bool = False, video: bool = True) -> None:
-        """Leave in ``folder`` what ``tisph run`` leaves there; ``tisph.open`` reads it.
+        """Write the files of ``tisph run`` into ``folder``; ``tisph.open`` reads them.
 
-        It is to be called before the first step, as the record begins with the start of the run; after ``restore``, of
-        the folder in which the run has been recorded up to then. The folder is complete once the run is finished, or
-        has diverged, or was closed: then it can be gone on from as after Ctrl-C. ``overwrite`` as for ``tisph.run``.
+        Call it before the first step, as the record begins with the start of the run; after ``restore``, with the
+        folder in which the run has been recorded up to then. The folder is complete once the run has finished or
+        diverged, or was closed; a closed run can be continued as after Ctrl-C. ``overwrite`` as for ``tisph.run``.
         """
-        process.require(self)
+        self._open_scheme()
         if self.functions:
             raise ConfigError("results: a folder holds what its config says, and that cannot say what a function is")
         if self.recording or (self.steps > self.first_step):
@@ -215,31 +227,31 @@ class Simulation:
         self.recording = Recording.of(self, Path(folder), overwrite=overwrite, video=video)
 
     def observe(self, *observers: Observer) -> None:
-        """Let ``observers`` (``observers/protocol.py``) be told of the run, after those that there are."""
+        """Add ``observers`` (``observers/protocol.py``), to be called after the present ones."""
         for observer in observers:
             observer.schedule.begin(self.scene.start_time, self.time, self.steps)
             self.observers.append(observer)
 
     def close(self) -> None:
-        """End the simulation and give Taichi's memory back; the last state can still be looked at."""
+        """End the simulation and release Taichi's memory; the last state can still be read."""
         if self.scheme is None:
             return
         try:
             if runtime.program() is self.program:
-                self.state  # noqa: B018 (it is kept)
+                self.state  # noqa: B018 (the property stores the last state)
                 if self.recording:
                     self.recording.finish("done" if self.finished else "interrupted")
         finally:
             self.release()
 
     def release(self) -> None:
-        """Give Taichi's memory back, and leave everything else as it is."""
+        """Release Taichi's memory, and leave everything else as it is."""
         self.scheme = None
         process.release(self)
 
     def begin(self) -> None:
-        """Place the particles, which compiles kernels, and tell what is due at the start; once, before the rest."""
-        process.require(self)
+        """Place the particles, which compiles kernels, and call the observers due at the start; once."""
+        self._open_scheme()
         if self._begun:
             return
         with interrupts_after(), self._ending_on_failure():
@@ -250,40 +262,42 @@ class Simulation:
             else:
                 self._tell()
 
+    def _open_scheme(self) -> Scheme:
+        """Return the scheme; TisphError where the simulation is closed or its fields are destroyed."""
+        if self.scheme is None:
+            raise TisphError("the simulation is closed; its last state is all that is left of it")
+        if runtime.program() is not self.program:
+            raise TisphError("the fields of this simulation are gone: ti.init or ti.reset was called since it began")
+        return self.scheme
+
     def place(self) -> None:
         """Place the particles where they start, unless they are restored."""
         if self.restored or self._start is not None:
             return
+        scheme, config = self._open_scheme(), self.config
         with self.costs.timed("compile"):
-            values = start_values(self.scene.in_flow_frame(), self.config.initial)
-            self.scheme.start(*values)
-        if self.scene.has_own_start and self.scheme.removed_divergence > REMOVED:
+            values = start_values(self.scene.in_flow_frame(), config.initial)
+            scheme.start(*values)
+        removed = getattr(scheme, "removed_divergence", 0.0)
+        if self.scene.has_own_start and removed > REMOVED:
             warn(
                 "the divergence of the initial velocity, and the flow through walls, was removed: it changes by up to "
-                f"{100 * self.scheme.removed_divergence:.2g} % of the largest velocity"
+                f"{100 * removed:.2g} % of the largest velocity"
             )
-        self._start = start_snapshot(self.scene, values, self.config.discretisation.precision)
-
-    def _advance(self) -> None:
-        self._start = None
-        try:
-            with self.costs.timed("loop"):
-                self.scheme.advance()
-        except DivergedError:
-            self._last_step().check()  # what has gone wrong may have a plainer name
-            raise
+        self._start = start_snapshot(self.scene, values, config.discretisation.precision)
 
     def _tell(self) -> None:
-        """Tell the observers what is due, and let the callbacks have theirs ready."""
-        time_, steps = self.scheme.time, self.scheme.steps
-        due = [each for each in (*self.observers, *self.callbacks) if each.schedule.due(time_, steps)]
+        """Call the observers that are due, and store the states of the callbacks."""
+        scheme = self._open_scheme()
+        time_, steps = scheme.time, scheme.steps
+        taken = [(each, each.schedule.take(time_, steps)) for each in (*self.observers, *self.callbacks)]
+        due = [(observer, times) for observer, times in taken if times is not None]
         if not due:
             return
         with self.costs.timed("output"):
-            pending = [self.scheme.output_times(each.schedule.pending(time_, steps)) for each in due]
+            pending = [scheme.output_times(times) for _, times in due]
             step = self._last_step(pending)
-            for observer, times in zip(due, pending, strict=True):
-                observer.schedule.mark(time_, steps)
+            for (observer, _), times in zip(due, pending, strict=True):
                 observer.tell(step, times)
 
     def _call_back(self) -> None:
@@ -291,17 +305,106 @@ class Simulation:
             callback.call()
 
     def _last_step(self, due: Any = ()) -> LastStep:
-        return LastStep(self.scheme, self.scene, self.guard, due, self._start)
+        return LastStep(self._open_scheme(), self.scene, self.guard, due, self._start)
 
     def _state_at(self, time: float) -> State:
         return State(self._last_step([[time]]).at(time), self.scene)
 
     @contextmanager
     def _ending_on_failure(self) -> Iterator[None]:
-        """Let a failure end what is recorded."""
+        """End the recording where an exception ends the block."""
         try:
             yield
         except Exception as error:
             if self.recording:
                 self.recording.fail(error)
             raise
+
+
+def with_functions(
+    scene: Scene,
+    scheme: str,
+    initial_velocity: Field | None = None,
+    body_force: Field | None = None,
+    conformation_source: Field | None = None,
+) -> Scene:
+    """Return ``scene`` with an initial velocity, an acceleration and a source given as functions of (x, y, t).
+
+    Each function takes arrays (particles,) of places, and a time. It returns physical components, which broadcast to
+    the places: velocity and acceleration along x and y, and around the axis as a third one in axisymmetric flow; the
+    source as xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt of the conformation tensor per time. A drive of
+    the config is added to the body force. Such a flow has no reference. ConfigError where the scene, or the ``scheme``
+    (its type), cannot take one of them.
+    """
+    free = scene.periodic == (True, True) and not scene.bodies and not scene.parallel
+    planar = scheme == "implicit" and not scene.parallel
+    if initial_velocity is not None and not (free or planar):
+        raise ConfigError(
+            f"initial_velocity: with scheme {scheme} this scene starts from rest or from its own solution; a function "
+            "can be given in the scenes taylor_green and shear_layer, and with scheme implicit in all two-dimensional "
+            "flows"
+        )
+    if body_force is not None and scheme == "implicit" and scene.parallel:
+        raise ConfigError(
+            f"body_force: scheme {scheme} knows no acceleration but a constant drive.acceleration in a channel without "
+            "bodies; a function can be given with scheme wcsph, and with implicit in all two-dimensional flows"
+        )
+    if conformation_source is not None and not (planar and scene.polymer and len(scene.rheology.laws(1.0)) == 1):
+        raise ConfigError(
+            "conformation_source: must be left out here; it is for two-dimensional flow of a fluid whose polymer has "
+            "one relaxation time, with scheme implicit"
+        )
+    if initial_velocity is None and body_force is None and conformation_source is None:
+        return scene
+    given: dict[str, Any] = {"fields": (), "initial": lambda _self, x, y: scene.initial(x, y)}
+    if scene.axisymmetric:
+        given["swirls"] = True
+    if body_force is not None:
+        force, drive = _on_places(body_force, scene.components), cast(Any, scene.body_force)
+
+        def both(x: np.ndarray, y: np.ndarray, t: float) -> list[np.ndarray]:
+            return [a + b for a, b in zip(force(x, y, t), drive(x, y, t), strict=True)]
+
+        given["body_force"] = staticmethod(force if drive is None else both)
+        if scene.frame_velocity:
+
+            def moved(x: np.ndarray, y: np.ndarray, t: float) -> list[np.ndarray]:
+                return force((x + scene.frame_velocity * (t - scene.start_time)) % scene.extent[0], y, t)
+
+            frame = with_functions(scene.in_flow_frame(), scheme, body_force=moved)
+            given["in_flow_frame"] = lambda _self: frame
+    if conformation_source is not None:
+        given["conformation_source"] = staticmethod(_on_places(conformation_source, 6 if scene.axisymmetric else 3))
+    if initial_velocity is not None:
+        velocity = _on_places(initial_velocity, scene.components)
+
+        def initial(_self: Any, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+            return {**scene.initial(x, y), **dict(zip("uvw", velocity(x, y, scene.start_time), strict=False))}
+
+        given |= {"initial": initial, "has_own_start": planar}
+        given["initial_velocity"] = staticmethod(lambda x, y: np.stack(velocity(x, y, scene.start_time)))
+        if free:
+            x, y = scene.lattice()
+            u, v = velocity(x, y, scene.start_time)
+            given["peak_velocity"] = max(scene.peak_velocity, float(np.hypot(u, v).max()))
+    kind: Any = new_class(type(scene).__name__, (type(scene),), exec_body=lambda members: members.update(given))
+    changed = kind.__new__(kind)
+    vars(changed).update(vars(scene))
+    return changed
+
+
+def _on_places(function: Field, count: int) -> Callable[[np.ndarray, np.ndarray, float], list[np.ndarray]]:
+    """Return ``function`` with ``count`` components as arrays of finite numbers, of the shape of the places.
+
+    Where three components are due it may return two: the one around the axis is then 0.
+    """
+
+    def on_places(x: np.ndarray, y: np.ndarray, t: float) -> list[np.ndarray]:
+        values = [np.broadcast_to(np.asarray(each, dtype=float), x.shape) for each in function(x, y, t)]
+        if count == 3 and len(values) == 2:
+            values.append(np.zeros(x.shape))
+        if len(values) != count or not np.isfinite(values).all():
+            raise ConfigError(f"{function}: must return {count} components of finite numbers, at t = {t:g}")
+        return values
+
+    return on_places

@@ -1,31 +1,34 @@
-"""States of a run: the first one, those within the last step, and what a function of the user sees.
+"""States of a run: its start, the states within the last step, and the ``State`` that a user's function receives.
 
-A run may go in the frame of the flow, whatever frame the config sees it from.
+A run may be computed in the frame of the flow, while its states are given in the frame of the config.
 """
 
 import math
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from tisph import runtime
 from tisph.measures.metrics import relative_error, velocities, with_reference
-from tisph.observers.protocol import StateObserver
+from tisph.observers.guard import Guard
+from tisph.observers.protocol import Schedule, StateObserver
+from tisph.scenes._scene import Scene
+from tisph.schemes._protocol import ProbedScheme, Scheme
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Bodies, Snapshot
 
 PARTICLES_PER_THREAD = 512
 """Taichi does not split a loop into shorter pieces than this."""
 
 PARTICLES_PER_THREAD_WITH_PRESSURE = 2048
-"""The same in two-dimensional flow with a pressure equation: loops of its linear solvers, most of all that there are,
-run on one thread anyway."""
+"""Particles per thread in flow with a pressure equation, whose linear solvers run on one thread anyway."""
 
 
-def useful_threads(config, scene):
-    """Return the number of threads that ``runtime.threads`` means for this many particles."""
+def useful_threads(config: Any, scene: Scene) -> int:
+    """Return the number of threads: ``runtime.threads``, or the useful number for the particles of ``scene``."""
     if config.runtime.threads != "auto":
         return config.runtime.threads
     least = PARTICLES_PER_THREAD
@@ -34,10 +37,11 @@ def useful_threads(config, scene):
     return min(runtime.available_threads(), math.ceil(scene.particles / least))
 
 
-def start_values(scene, initial):
+def start_values(scene: Scene, initial: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Return positions (particles, 2), velocities (particles, components) and polymer stresses or None at the start.
 
-    Stresses have shape (particles, numbers), with those around the axis of axisymmetric flow after the three others.
+    Stresses (particles, numbers) have the components xx, xy, yy, and tt, xt, yt in axisymmetric flow. ``initial`` is
+    the section of the config.
     """
     x, y = scene.jittered(initial.seed, initial.jitter)
     fields = scene.initial(x, y)
@@ -46,11 +50,11 @@ def start_values(scene, initial):
     return np.stack([x, y], 1), np.stack([fields[name] for name in ("u", "v", "w")[: scene.components]], 1), stress
 
 
-def start_snapshot(scene, values, precision):
+def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarray | None], precision: str) -> Snapshot:
     """Return the ``start_values`` of ``scene.in_flow_frame()`` as a Snapshot in the frame of ``scene``.
 
-    It is the start as the config says, before walls give their impulse. ``precision``: ``f64`` or ``f32``, in which a
-    scheme holds positions and velocities.
+    It is the start of the config, before the impulse of walls. ``precision`` of the positions and velocities of the
+    scheme: ``f64`` or ``f32``.
     """
     position, velocity, stress = values
     kind = np.float32 if precision == "f32" else np.float64
@@ -61,7 +65,7 @@ def start_snapshot(scene, values, precision):
         place % size if periodic else place
         for place, size, periodic in zip((x, y), scene.extent, scene.periodic, strict=True)
     )
-    state = {
+    state: dict[str, Any] = {
         "x": x,
         "y": y,
         **dict(zip(("u", "v", "w"), velocities, strict=False)),
@@ -75,8 +79,8 @@ def start_snapshot(scene, values, precision):
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 
 
-def seen_from_config(snapshot, scene):
-    """Return ``snapshot`` of a run in the frame of ``scene.in_flow_frame()`` as the config's ``scene`` sees it."""
+def seen_from_config(snapshot: Snapshot, scene: Scene) -> Snapshot:
+    """Return ``snapshot``, given in the frame of ``scene.in_flow_frame()``, in the frame of ``scene``."""
     velocity = scene.frame_velocity
     if velocity == 0.0:
         return snapshot
@@ -89,12 +93,20 @@ def seen_from_config(snapshot, scene):
 
 
 class LastStep:
-    """What ``observers/protocol.py`` calls the last step; ``due`` has the times that each observer waits for.
+    """The last step as observers see it (``observers/protocol.py``); ``due`` has the times due of each observer.
 
-    ``start`` is the state at the start of the run, where no step has been taken yet, else None.
+    ``start`` is the state at the start of the run, where no step has been taken yet, else None. A state that several
+    observers need, and the latest one, is computed once.
     """
 
-    def __init__(self, scheme, scene, guard, due=(), start=None):
+    def __init__(
+        self,
+        scheme: Scheme,
+        scene: Scene,
+        guard: Guard,
+        due: Sequence[Sequence[float]] = (),
+        start: Snapshot | None = None,
+    ):
         self.scheme, self.scene, self.guard = scheme, scene, guard
         self.time, self.steps = scheme.time, scheme.steps
         counts = Counter(time for times in due for time in set(times))
@@ -103,34 +115,36 @@ class LastStep:
         self.kept = {} if start is None else {self.latest: start}
         self.sound = False
 
-    def at(self, time):
-        """Return the state at ``time``; DivergedError where the guard finds that the latest one is not sound.
+    def at(self, time: float) -> Snapshot:
+        """Return the state at ``time``; DivergedError where the latest state is not sound.
 
-        Those before it lie between that one and a state that was sound.
+        Earlier states lie between the latest one and a sound one, and are not checked.
         """
         self.check()
         return self._state(time)
 
-    def check(self):
-        """Let the guard see the latest state that is asked for, once."""
+    def check(self) -> None:
+        """Let the guard check the latest state that is due, once."""
         if not self.sound:
             self.guard.check(self._state(self.latest))
             self.sound = True
 
-    def around(self, times, x, half_width):
-        """Return the particles within ``half_width`` of the place ``x`` at ``times``: which time, x, y and u of each.
+    def around(
+        self, times: Sequence[float], x: float, half_width: float
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return index of the time, x, y and u of the particles within ``half_width`` of the place ``x`` at ``times``.
 
-        The guard looks first where they are within a step, as such steps are long and few. Where they are the ends of
-        short steps it looks at one in ``guard.INTERVAL``: whole states cost much more than what is asked for here.
+        The guard checks the state first where times lie within a step, as such steps are long and few. Ends of short
+        steps are checked once in ``guard.INTERVAL``: a whole state costs much more than the particles returned here.
         """
         if any(time != self.time for time in times):
             self.check()
         velocity = self.scene.frame_velocity
         travelled = velocity * (np.array(times) - self.scene.start_time)
-        when, places, y, u = self.scheme.around(times, x - travelled, half_width)
+        when, places, y, u = cast(ProbedScheme, self.scheme).around(times, x - travelled, half_width)
         return when, places + travelled[when], y, u + velocity
 
-    def _state(self, time):
+    def _state(self, time: float) -> Snapshot:
         if time not in self.kept:
             state = seen_from_config(self.scheme.snapshot(time), self.scene)
             if time not in self.kept_times:
@@ -142,56 +156,35 @@ class LastStep:
 class State:
     """The fluid particles at time ``t``, after ``step`` steps: arrays (particles,) in the order of their creation.
 
-    All numbers are in the units of the config. The arrays belong to this state and do not change with the run.
+    All numbers are in the units of the config. The arrays do not change when the run continues.
     """
 
-    def __init__(self, snapshot: Snapshot, scene: Any):
+    def __init__(self, snapshot: Snapshot, scene: Scene):
         self.snapshot = snapshot
         self._scene = scene
+        self.t: float = snapshot.t
+        """Time on the clock of the run."""
+        self.step: int = snapshot.step
+        """Steps of the run so far."""
+        self.x: np.ndarray = snapshot.x
+        """Positions along x, within the box of the scene."""
+        self.y: np.ndarray = snapshot.y
+        """Positions along y."""
+        self.u: np.ndarray = snapshot.u
+        """Velocities along x."""
+        self.v: np.ndarray = snapshot.v
+        """Velocities along y."""
+        self.pressure: np.ndarray = snapshot.pressure
+        """Pressure; NaN where the scheme has none."""
 
     def __repr__(self) -> str:
         return f"<State t={self.t:g}, step {self.step}, {len(self.x)} particles>"
 
     @property
-    def t(self) -> float:
-        """Time on the clock of the run."""
-        return self.snapshot.t
-
-    @property
-    def step(self) -> int:
-        """Steps of the run so far."""
-        return self.snapshot.step
-
-    @property
-    def x(self) -> np.ndarray:
-        """Positions along x, within the box of the scene."""
-        return self.snapshot.x
-
-    @property
-    def y(self) -> np.ndarray:
-        """Positions along y."""
-        return self.snapshot.y
-
-    @property
-    def u(self) -> np.ndarray:
-        """Velocities along x."""
-        return self.snapshot.u
-
-    @property
-    def v(self) -> np.ndarray:
-        """Velocities along y."""
-        return self.snapshot.v
-
-    @property
-    def pressure(self) -> np.ndarray:
-        """Pressure; NaN where the scheme has none."""
-        return self.snapshot.pressure
-
-    @property
     def stress(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
         """Polymer stresses xx, xy, yy; None where the fluid has none."""
-        parts = self.snapshot.stress_xx, self.snapshot.stress_xy, self.snapshot.stress_yy
-        return None if parts[0] is None else parts
+        xx, xy, yy = self.snapshot.stress_xx, self.snapshot.stress_xy, self.snapshot.stress_yy
+        return None if xx is None or xy is None or yy is None else (xx, xy, yy)
 
     @cached_property
     def reference(self) -> dict[str, np.ndarray]:
@@ -202,32 +195,32 @@ class State:
     def error(self) -> np.ndarray | None:
         """Size of the difference between velocity and reference at each particle; None without a reference.
 
-        Of the components that have a reference, one or both.
+        Only components with a reference are included.
         """
         values, exact = velocities(self._scene, self.snapshot)
         return np.linalg.norm(values - exact, axis=0) if len(exact) else None
 
     @cached_property
     def l2(self) -> float | None:
-        """Relative error sqrt(sum error^2 / sum reference^2), as in ``summary.json``; None where there is none."""
+        """Relative error sqrt(sum error^2 / sum reference^2), as in ``summary.json``; None without a reference."""
         return relative_error(self._scene, self.snapshot)
 
 
 class Callback(StateObserver):
-    """Calls ``function`` with each state that is due; ``call`` does it, once the step is done with all its files.
+    """Calls ``function`` with each state that is due, but only in ``call``, when the step and its files are complete.
 
-    So an interrupt, which may come while the function runs, finds the simulation between two steps.
+    Therefore an interrupt while the function runs finds the simulation between two steps.
     """
 
-    def __init__(self, schedule, function, scene):
+    def __init__(self, schedule: Schedule, function: Callable[[State], Any], scene: Scene):
         self.schedule, self.function, self.scene = schedule, function, scene
-        self.waiting = []
+        self.waiting: list[State] = []
 
-    def observe(self, snapshot):
-        """Keep a state until ``call``."""
+    def observe(self, snapshot: Snapshot) -> None:
+        """Store a state until ``call``."""
         self.waiting.append(State(snapshot, self.scene))
 
-    def call(self):
-        """Call the function; a state that it fails with does not come again."""
+    def call(self) -> None:
+        """Call the function with each stored state; a state for which it fails is not repeated."""
         while self.waiting:
             self.function(self.waiting.pop(0))

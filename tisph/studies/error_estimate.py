@@ -23,7 +23,7 @@ from tisph import scenes, schemes
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
-from tisph.observers._storage import read_snapshots
+from tisph.results import open_run
 from tisph.simulation.recording import write_summary
 from tisph.snapshot import STRESSES
 from tisph.studies.extrapolation import PAIRS, of_norms, of_number, of_pair
@@ -129,7 +129,7 @@ def compare(results, configs):
     """
     compared = [scenes.of(each) for each in configs]
     spacings, expected = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
-    snapshots = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
+    snapshots = zip(*(open_run(result.folder).snapshots() for result in results), strict=True)
     norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
     order = None if len(configs) == 2 else _median_order(spacings, norms, expected)
     samples = []

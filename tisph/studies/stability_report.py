@@ -23,7 +23,7 @@ from matplotlib.patches import Patch, Rectangle
 from rich.console import Console
 
 from tisph.equation_of_state import SCALE_RATIO
-from tisph.observers._storage import replaced
+from tisph.folder import replaced
 from tisph.report.style import plot_style
 from tisph.studies.engine import START_SECONDS, Engine
 from tisph.studies.stability import AXES, DATA, Cell, SubMatrix, cells, plan

@@ -15,7 +15,7 @@ from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.studies.processes import POLL_SECONDS, Process, Result, read_result, run_side_by_side
 
-WITHOUT_EFFECT = ("cli/", "interface/", "assessment/", "report/", "results/", "studies/", "schemes/_estimate")
+WITHOUT_EFFECT = ("cli/", "interface", "assessment/", "report/", "results/", "studies/", "schemes/_estimate")
 """Parts of the package on which no number of a run depends."""
 
 

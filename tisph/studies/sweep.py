@@ -36,8 +36,8 @@ from tisph.config import load
 from tisph.config.fields import nearest
 from tisph.config.yaml_text import YamlTextError, dump, parse
 from tisph.errors import ConfigError
+from tisph.folder import hdf5_file, replaced
 from tisph.measures.metrics import fitted_order
-from tisph.observers._storage import hdf5_file, replaced
 from tisph.report import style
 from tisph.studies import sweep_cluster
 from tisph.studies.engine import Engine

@@ -1,1 +1,1 @@
-"""Suspensions: many bodies that a config describes together. One file a kind."""
+"""Suspensions: many bodies that one section of a config describes. One file a kind."""

@@ -1,11 +1,11 @@
-"""Circles at random places, of one radius or several, by the area fraction that they fill.
+"""Circles at random places, of one radius or several, with a given area fraction.
 
-Where they are follows from the seed (``geometry/packing.py``). What a circle alone may have beside its place and
-radius, such as a motion, all of them have.
+Their places follow from the seed (``geometry/packing.py``). All circles share the other keys of a circle, such as its
+motion.
 """
 
 import math
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
@@ -17,30 +17,34 @@ from tisph.geometry.packing import random_centres
 from tisph.geometry.region import Region
 
 USUAL_GAP = 2.5
-"""Of ``least_gap``, in particle spacings: some more than a config must leave."""
+"""Default of ``least_gap`` in particle spacings, somewhat above the required gap."""
 
 HALVINGS = 6
-"""Of the interval in which the largest fraction that fits is looked for."""
+"""Number of halvings in the search for the largest possible fraction."""
 
 PLACE = ("type", "centre", "angle", "radius")
 
 _Several = Annotated[tuple[Positive, ...], Field(strict=False, min_length=1, max_length=MOST_BODIES)]
+if TYPE_CHECKING:
+    Radii = float | tuple[float, ...]
+else:
+    Radii = either(Positive, _Several, lambda value: isinstance(value, list | tuple), "a list of radii")
 _of_each: Any = {name: (field.annotation, field) for name, field in circle.Parameters.model_fields.items()}
-Shared = create_model("Shared", __base__=Model, **{name: _of_each[name] for name in _of_each if name not in PLACE})
+Shared: Any = create_model("Shared", __base__=Model, **{name: _of_each[name] for name in _of_each if name not in PLACE})
 
 
 class Parameters(Shared):
-    """Radius [length], or radii of a mixture with the ``shares`` of the circles' area, which are equal unless given.
+    """Radius [length], or radii of a mixture with their ``shares`` of the circles' area, equal by default.
 
-    ``fraction`` of the cell's area that the circles fill, as near to it as whole circles come. ``least_gap`` [length]
-    between circles, their periodic copies and walls: 2.5 particle spacings unless given.
+    ``fraction`` of the cell's area that the circles fill, as nearly as whole circles can. ``least_gap`` [length]
+    between circles, their periodic copies and walls: 2.5 particle spacings by default.
     """
 
     unset_keys = ("shares", "least_gap", *circle.Parameters.unset_keys)
     shaped_by: ClassVar[str] = circle.Parameters.shaped_by
 
     type: Literal["random_circles"] = "random_circles"
-    radius: either(Positive, _Several, lambda value: isinstance(value, list | tuple), "a list of radii")
+    radius: Radii
     shares: _Several | None = None
     fraction: Annotated[float, Field(gt=0, lt=1)]
     seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
@@ -53,7 +57,7 @@ class Parameters(Shared):
             raise refusals([(("shares",), f"must be as many as the radii, {len(self.radii)}", shares)])
         if shares is not None and abs(math.fsum(shares) - 1) > 1e-9:  # typed in by hand, as 1/3 may be
             raise refusals([(("shares",), f"must add up to 1, but make {math.fsum(shares):.10g}", shares)])
-        self._circle(self.radii[0], (0.0, 0.0))  # ValidationError where what all have is impossible
+        self._circle(self.radii[0], (0.0, 0.0))  # ValidationError where a shared key is impossible
         return self
 
     @property
@@ -62,14 +66,13 @@ class Parameters(Shared):
         return self.radius if isinstance(self.radius, tuple) else (self.radius,)
 
     def for_spacing(self, spacing: float) -> "Parameters":
-        """The same with every default filled in that depends on the particle spacing [length]."""
+        """Return the parameters with every default that depends on the particle spacing [length]."""
         return self if self.least_gap is not None else self.model_copy(update={"least_gap": USUAL_GAP * spacing})
 
     def bodies(self, region: Region) -> tuple[circle.Parameters, ...]:
-        """The circles in the ``region`` that walls leave, those of the first radius first.
+        """Return the circles in ``region``, in the order of the radii.
 
-        ``least_gap`` must have a value. ValidationError, as of a config whose section ``bodies`` this is, for a
-        ``fraction`` that gives no such circles.
+        ``least_gap`` must have a value. ValidationError for a ``fraction`` that is impossible, with the key ``bodies``.
         """
         counts = self._counts(self.fraction, region)
         text = self._miscounted(counts, region)
@@ -84,20 +87,20 @@ class Parameters(Shared):
         return circle.Parameters(centre=centre, radius=radius, **shared)
 
     def _counts(self, fraction: float, region: Region) -> list[int]:
-        """Numbers of circles of each radius at an area ``fraction``, the whole ones nearest to its share."""
+        """Return the number of circles of each radius at an area ``fraction``, rounded."""
         shares = self.shares or [1 / len(self.radii)] * len(self.radii)
         area = fraction * region.area
         return [round(share * area / (math.pi * radius**2)) for share, radius in zip(shares, self.radii, strict=True)]
 
     def _repeated(self, counts: list[int]) -> list[float]:
-        """Radii of all circles."""
+        """Return the radii of all circles."""
         return [radius for radius, count in zip(self.radii, counts, strict=True) for _ in range(count)]
 
     def _centres(self, counts: list[int], region: Region) -> np.ndarray | None:
-        return random_centres(self._repeated(counts), region, self.least_gap, self.seed)
+        return random_centres(self._repeated(counts), region, self.least_gap or 0.0, self.seed)
 
     def _miscounted(self, counts: list[int], region: Region) -> str:
-        """What is wrong with the numbers of circles, empty where nothing is."""
+        """Return the error in the numbers of circles, empty where there is none."""
         if 0 in counts:
             radius = self.radii[counts.index(0)]
             alone = math.pi * radius**2 / region.area
@@ -106,7 +109,7 @@ class Parameters(Shared):
         return f"makes {many} circles; at most {MOST_BODIES} bodies are allowed" if many > MOST_BODIES else ""
 
     def _too_crowded(self, count: int, region: Region) -> str:
-        """That ``count`` circles do not fit, and which fraction does: halves of the interval below are tried."""
+        """Return a message that ``count`` circles do not fit, with the largest possible fraction, by bisection."""
         low, high = 0.0, self.fraction
         for _ in range(HALVINGS):
             middle = round(0.5 * (low + high), 4)

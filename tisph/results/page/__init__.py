@@ -1,4 +1,4 @@
-"""Runs as HTML: one page to mail, and what a notebook shows. Templates write it, and escape every text.
+"""Runs as HTML: one page to mail, and the view in a notebook. Templates write it, and escape every text.
 
 The page needs no network and no script: movie, pictures and tables with their words are in it.
 """
@@ -15,13 +15,13 @@ from tisph import schemes
 from tisph.folder import Folder
 from tisph.report.encoder import poster
 from tisph.report.labels import number, scientific
-from tisph.results._summary import SampleErrors
 from tisph.version import __version__
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
     from tisph.results import Results
+    from tisph.results._results import SampleErrors
 
 NOTHING = "\N{EN DASH}"
 
@@ -39,7 +39,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """``header`` and ``rows``, the first cell of each of which names it; ``note`` says what is omitted."""
+    """``header`` and ``rows``, each named by its first cell; ``note`` lists omissions."""
 
     title: str
     header: list[str]
@@ -59,15 +59,15 @@ def error_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
 
 
 def measure_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
-    """What the scene measures of a sample: wall forces, torques, fluxes, energies, with the exact ones beside them."""
+    """Measures of the scene at a sample: wall forces, torques, fluxes, energies, beside their exact values."""
     rows = [Row([*start, *texts]) for start, sample in _shown(runs, views) for texts in _measured(sample)]
     title = "Wall forces and other numbers at the samples"
     header = ["run", "t", "quantity", "run", "exact", "difference"]
     return _named_once(Table(title, header, rows, _note(runs)), runs)
 
 
-def _measured(sample: SampleErrors) -> Iterator[list[str]]:
-    known = {each.name for each in fields(SampleErrors)}
+def _measured(sample: "SampleErrors") -> Iterator[list[str]]:
+    known = {each.name for each in fields(sample)}
     for name, value in sample.measures.items():
         if name in known or name.endswith(_SUFFIX) or isinstance(value, str):
             continue
@@ -78,7 +78,7 @@ def _measured(sample: SampleErrors) -> Iterator[list[str]]:
 
 
 def estimate_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
-    """The errors that coarser runs tell of, of those that were asked for them (``--estimate-error``)."""
+    """Return the errors estimated from coarser runs, for runs with ``--estimate-error``."""
     rows = []
     for run, view in zip(runs, views, strict=True):
         found = run.summary.error_estimate or {}
@@ -127,7 +127,7 @@ def cell_text(value: Any) -> str:
 
 
 def _columns(maps: Sequence[Mapping[str, Any]], in_words: bool = False) -> list[Row]:
-    """Return a row for each key, with what the maps have; names of measured numbers, which always differ, in words."""
+    """Return a row for each key of the maps, with their values; ``in_words`` for numbers, which always differ."""
     rows = []
     for key in dict.fromkeys(key for each in maps for key in each):
         values = [each.get(key) for each in maps]
@@ -156,7 +156,7 @@ def _versions(summary: Any) -> dict[str, Any]:
     return {"versions": ", ".join(f"{name} {version}" for name, version in summary.provenance.versions.items())}
 
 
-def _shown(runs: "Sequence[Results]", views: "Sequence[View]") -> Iterator[tuple[list[str], SampleErrors]]:
+def _shown(runs: "Sequence[Results]", views: "Sequence[View]") -> "Iterator[tuple[list[str], SampleErrors]]":
     """Yield title and time of the samples with themselves: of many, the first and last ones of a run."""
     half = _MOST_SAMPLES // 2
     for run, view in zip(runs, views, strict=True):
@@ -178,7 +178,7 @@ _TIMES_NAMED = 6
 
 @dataclass(frozen=True)
 class Element:
-    """A picture or a movie: all of its file as a ``data:`` address, what is to be seen, in words, and a still of it."""
+    """A picture or a movie: its file as a ``data:`` address, a description in words, and a still."""
 
     address: str
     words: str
@@ -187,7 +187,7 @@ class Element:
 
 @dataclass(frozen=True)
 class View:
-    """What is shown of one run; None where the run left no such file."""
+    """The parts of one run on a page; None where the run left no such file."""
 
     title: str
     folder: str
@@ -243,7 +243,7 @@ def _address(suffix: str, content: bytes) -> str:
 
 
 def _facts(run: "Results") -> list[tuple[str, str]]:
-    """What the flow is, as ``tisph check`` says it, and what it was computed with."""
+    """Return parameters of the flow, as ``tisph check`` prints them, scheme and number of particles."""
     numbers = run.summary.numbers
     facts = [*run._scene.parameters(), ("scene", run.config.scene), ("scheme", schemes.resolve(run.config)[1])]
     if "particles_fluid" in numbers:

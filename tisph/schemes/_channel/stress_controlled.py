@@ -260,7 +260,7 @@ class MasslessWall(WallOfGivenStress):
         self.rate = self.shear_rate
         _, _, by_state, tangent = self.model.jacobian(self.state, self.rate)
         relaxation = float(by_state @ self.state_rate(self.state, self.rate))
-        stress_rate = float(self.control.stress_rate(time))
+        stress_rate = float(self.control.slope(time))
         self.change = (-self.normal_sign * stress_rate - relaxation) / (self.viscosity + tangent)
         return self.rate - before
 

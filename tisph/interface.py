@@ -1,6 +1,7 @@
-"""``tisph.run``: the command line's run, from Python, in a process of its own: nothing of it is left in this one.
+"""``tisph.run`` and ``tisph.check``: the command line's run and check, called from Python.
 
-The progress of a run is shown as a bar in a notebook or on a terminal, as lines elsewhere.
+A run has a process of its own and leaves nothing in this one. Its progress is shown as a bar in a notebook or on a
+terminal, as lines elsewhere.
 """
 
 import _thread
@@ -9,8 +10,9 @@ import re
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
@@ -20,19 +22,19 @@ from tisph.errors import INTERRUPTED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
 
-_PROGRAM = "import sys; sys.path[:] = {path!r}; from tisph.interface.running import main; main()"
+_PROGRAM = "import sys; sys.path[:] = {path!r}; from tisph.interface import main; main()"
 _PROGRESS = re.compile(r" *(\d+)%  (.*)")
 _ERRORS = {kind.exit_status: kind for kind in (ConfigError, DivergedError)}
 
 Show = Callable[[float, str], None]
-"""Takes how much of a run is done, 0 to 1, and how far it is in words."""
+"""Function of the part of the run that is done, 0 to 1, and of a text about its progress."""
 
 
 def command(arguments: Sequence[str], show: Show) -> str:
-    """Run ``tisph`` with ``arguments`` and return what it prints; ``show`` is told how far it is.
+    """Run ``tisph`` with ``arguments`` and return its printed output; ``show`` is called with its progress.
 
-    Its errors are raised here. Ctrl-C, and the end of this process, interrupt it: it leaves what Ctrl-C leaves on the
-    command line, and then KeyboardInterrupt goes on.
+    Its errors are raised here. Ctrl-C, and the end of this process, interrupt it: it leaves the same files as after
+    Ctrl-C on the command line, and then KeyboardInterrupt is raised.
     """
     process = subprocess.Popen(
         [sys.executable, "-X", "utf8", "-c", _PROGRAM.format(path=sys.path), *arguments],
@@ -57,7 +59,7 @@ def command(arguments: Sequence[str], show: Show) -> str:
 
 
 def _listen(process: "subprocess.Popen[str]", show: Show) -> list[str]:
-    """Return the lines that ``process`` writes to standard error, but for those of its progress."""
+    """Call ``show`` with the progress of ``process``, and return the other lines of its standard error."""
     words = []
     for line in process.stderr or ():
         progress = _PROGRESS.fullmatch(line.rstrip("\n"))
@@ -69,7 +71,7 @@ def _listen(process: "subprocess.Popen[str]", show: Show) -> list[str]:
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
-    """Let ``process`` write what it knows and end; a second Ctrl-C here leaves out its pictures."""
+    """Let ``process`` write its results and end; a second Ctrl-C skips its pictures."""
     while process.poll() is None:
         try:
             process.communicate()  # it closes standard input first
@@ -86,7 +88,7 @@ def _error(status: int, words: list[str]) -> TisphError:
 
 
 def main() -> None:
-    """Be that process: the command line, which is interrupted where standard input ends, as it does with its parent."""
+    """Run the command line in the child process; the end of standard input, hence of the parent, interrupts it."""
     from tisph.__main__ import main as command_line
 
     threading.Thread(target=_interrupt_at_the_end_of_input, daemon=True).start()
@@ -100,7 +102,7 @@ def _interrupt_at_the_end_of_input() -> None:
 
 @contextmanager
 def shown(wanted: bool) -> Iterator[Show]:
-    """Yield a function that shows how far a run is; it does nothing unless that is ``wanted``."""
+    """Yield a function that shows the progress of a run; it does nothing unless that is ``wanted``."""
     if not wanted:
         yield lambda part, words: None
     elif _in_a_notebook():
@@ -159,3 +161,57 @@ def run(
         options += [flag for flag, wanted in flags.items() if wanted]
         command(["run", *options, "--", path], show)
     return Results(folder)
+
+
+@dataclass(frozen=True)
+class RunEstimate:
+    """Estimates for a run; printed, it is the output of ``tisph check``.
+
+    ``steps`` and ``run_time`` [seconds], of the steps alone, are estimates; ``steps_range`` and ``total_time_range``
+    [seconds], of the whole run with compiling, pictures and movie, are the least and the largest expected values.
+    ``l2`` estimates the relative error at the last sample, None where it is not predicted. ``resolved``: True or False
+    for each sample, None where only the run can decide. ``warnings``: texts. ``numbers``: all estimates by name.
+    """
+
+    name: str
+    reynolds: float
+    particles: int
+    steps: int
+    run_time: float
+    l2: float | None
+    steps_range: tuple[int, int]
+    total_time_range: tuple[float, float]
+    resolved: tuple[bool | None, ...]
+    warnings: tuple[str, ...]
+    numbers: Mapping[str, Any] = field(repr=False)
+    text: str = field(repr=False)
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def check(config: Asked, /, **overrides: Any) -> RunEstimate:
+    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed.
+
+    It imports Taichi and starts no Taichi program. ConfigError has the message of ``tisph check``.
+    """
+    from tisph.cli.check import described, forecast
+    from tisph.config import load
+
+    with config_file(config) as path:
+        loaded = load(path, override_texts(overrides))
+        numbers, warnings = forecast(loaded)
+        return RunEstimate(
+            name=loaded.name,
+            reynolds=numbers["reynolds"],
+            particles=numbers["particles"],
+            steps=numbers["steps"],
+            run_time=numbers["run_time"],
+            l2=numbers["error"],
+            steps_range=numbers["steps_range"],
+            total_time_range=numbers["total_time_range"],
+            resolved=tuple(numbers["resolved"]),
+            warnings=tuple(warnings),
+            numbers=numbers,
+            text="\n".join(described(loaded, numbers, warnings)),
+        )

@@ -114,6 +114,13 @@ def plot_figure(rows: int = 1) -> PlotFigure:
     return figure
 
 
+def constrained_figure(size: tuple[float, float], dpi: int) -> Figure:
+    """Return an empty figure of ``size`` [inches] for many panels, in which matplotlib makes room for labels."""
+    figure = Figure(size, dpi=dpi, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def format_ticks(axis: Axis, exponent: int) -> None:
     """Let the tick labels of ``axis`` be numbers in units of ``10^exponent``."""
     axis.set_major_formatter(FuncFormatter(lambda value, _: tick_text(value, exponent)))

@@ -25,10 +25,9 @@ from rich.console import Console
 from tisph.equation_of_state import SCALE_RATIO
 from tisph.observers._storage import replaced
 from tisph.report.style import plot_style
-from tisph.studies.engine import START_SECONDS, Engine
 from tisph.studies.stability import AXES, DATA, Cell, SubMatrix, cells, plan
 from tisph.studies.stability_judge import SILENT_FAILURE, VERDICTS, Judgement, judge, refused
-from tisph.studies.store import Store, claimed
+from tisph.studies.store import START_SECONDS, Engine, Store, claimed
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__
 

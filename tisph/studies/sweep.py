@@ -40,9 +40,8 @@ from tisph.measures.metrics import fitted_order
 from tisph.observers._storage import hdf5_file, replaced
 from tisph.report import style
 from tisph.studies import sweep_cluster
-from tisph.studies.engine import Engine
 from tisph.studies.processes import prepare
-from tisph.studies.store import Store, claimed
+from tisph.studies.store import Engine, Store, claimed
 from tisph.text_table import format_table
 
 KEYS = ("name", "base", "vary", "collect", "error", "bound")

@@ -35,9 +35,8 @@ from tisph.measures.metrics import fitted_order, root_mean_square
 from tisph.report.style import MUTED, plot_style
 from tisph.runtime import view
 from tisph.studies import suites
-from tisph.studies.engine import Engine
 from tisph.studies.expressions import Number, digits, merged
-from tisph.studies.store import Store, claimed
+from tisph.studies.store import Engine, Store, claimed
 from tisph.studies.sweep import draw_lines
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__

@@ -45,8 +45,8 @@ class Result:
         return next((one for one in samples if math.isclose(one[key], time, rel_tol=1e-9)), None)
 
     @property
-    def last(self) -> dict[str, Any] | None:
-        """The sample at the end of the run; None where the run stopped earlier."""
+    def last(self) -> Any:
+        """The sample at the end of the run, a dict; None where the run stopped earlier."""
         return self.summary["samples"][-1] if self.summary["status"] == "done" else None
 
     @property
@@ -91,7 +91,8 @@ def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProces
     """
     prepare()
     words = [str(each) for each in arguments]
-    process = multiprocessing.get_context(METHOD).Process(target=_run_command, args=(words, str(messages)))
+    context: Any = multiprocessing.get_context(METHOD)  # the type of a context without a method has no Process
+    process = context.Process(target=_run_command, args=(words, str(messages)))
     process.start()
     return process
 
@@ -103,7 +104,8 @@ def _run_command(arguments: list[str], messages: str) -> None:
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)
         os.close(file)
-    sys.stderr.reconfigure(encoding="utf-8")  # as which messages are read
+    stderr: Any = sys.stderr
+    stderr.reconfigure(encoding="utf-8")  # the encoding in which ``Process`` reads the messages
     sys.argv[1:] = arguments
     runpy.run_module("tisph", run_name="__main__")
 

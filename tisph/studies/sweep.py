@@ -36,13 +36,14 @@ from rich.console import Console
 
 from tisph.config import load
 from tisph.config.fields import nearest
-from tisph.config.yaml_text import YamlTextError, dump, parse
+from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.measures.metrics import fitted_order
 from tisph.observers._storage import hdf5_file, replaced
 from tisph.report import style
 from tisph.studies.processes import Outcomes, prepare, run_config
 from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
+from tisph.studies.suites import document
 from tisph.text_table import format_table
 
 KEYS = ("name", "base", "vary", "collect", "error", "bound")
@@ -92,12 +93,7 @@ class Study:
 def read(path: str | Path, forecast: Forecast) -> Study:
     """Return the ``Study`` that the file ``path`` describes; ConfigError with one message for a mistake in it."""
     path = Path(path)
-    try:
-        data = parse(path.read_text(encoding="utf-8")).data
-    except YamlTextError as error:
-        raise ConfigError(f"{path}:{error.line or 1}: {error.text}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    data = document(path).data
     if not isinstance(data, dict) or not {"base", "vary"} <= set(data):
         raise ConfigError(f"{path}: must be a map with the keys base and vary")
     for key in set(data) - set(KEYS):
@@ -112,9 +108,9 @@ def read(path: str | Path, forecast: Forecast) -> Study:
             beside = path.parent / str(data["base"])
             base = beside if beside.is_file() else Path(str(data["base"]))
         cases = tuple(_case(base, dict(zip(keys, row, strict=True)), forecast) for row in rows)
-    error = data.get("error", collect[0] if collect else "l2")
+    judged = data.get("error", collect[0] if collect else "l2")
     return Study(
-        data.get("name", path.stem), keys, cases, tuple(dict.fromkeys((error, *collect))), error, data.get("bound")
+        data.get("name", path.stem), keys, cases, tuple(dict.fromkeys((judged, *collect))), judged, data.get("bound")
     )
 
 
@@ -218,7 +214,7 @@ def row(study: Study, case: Case, summary: dict[str, Any] | None, message: str) 
 def write(study: Study, rows: list[Row], folder: Path) -> None:
     """Write all files from ``rows``, in the order of the cases."""
     names = [each.case.name for each in rows]
-    computed = {
+    computed: dict[str, list] = {
         "run": names,
         **{key: [each.case.values[key] for each in rows] for key in study.keys},
         "status": [each.status for each in rows],
@@ -227,7 +223,11 @@ def write(study: Study, rows: list[Row], folder: Path) -> None:
         **{name: [each.numbers[name] for each in rows] for name in study.collect},
         "message": [each.message for each in rows],
     }
-    costs = {"run": names, "loop_s": [each.seconds for each in rows], "total_s": [each.total for each in rows]}
+    costs: dict[str, list] = {
+        "run": names,
+        "loop_s": [each.seconds for each in rows],
+        "total_s": [each.total for each in rows],
+    }
     for name, columns in ((TABLE, computed), (COSTS, costs)):
         with replaced(folder / name) as new, new.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -303,7 +303,7 @@ def plot(study: Study, rows: list[Row], path: Path) -> bool:
 
 def _panel(axes: Axes, groups: dict[tuple[tuple[str, str], ...], Points], label: str, key: str) -> None:
     colours = style.colours(max(len(groups), 2), 0.85)
-    lines = []
+    lines: list[StyledLine] = []
     for (others, points), colour in zip(groups.items(), colours, strict=False):
         name = ", ".join(f"{other.rpartition('.')[2]} = {value}" for other, value in others)
         lines.append((points, {"marker": "o", "color": colour, "label": name, "markersize": 4}))
@@ -312,10 +312,12 @@ def _panel(axes: Axes, groups: dict[tuple[tuple[str, str], ...], Points], label:
         axes.legend(fontsize=7, frameon=False)
 
 
-def draw_lines(
-    axes: Axes, lines: list[tuple[Iterable[tuple[float, float]], dict[str, Any]]], label: str, key: str
-) -> None:
-    """Draw ``lines``, pairs of points (x, y) and options of matplotlib, on logarithmic axes with a tick at each x."""
+StyledLine = tuple[Iterable[tuple[float, float]], dict[str, Any]]
+"""Points (x, y) of a line, and options of matplotlib."""
+
+
+def draw_lines(axes: Axes, lines: list[StyledLine], label: str, key: str) -> None:
+    """Draw ``lines`` on logarithmic axes with a tick at each x; ``label`` names y, ``key`` names x."""
     for points, options in lines:
         axes.loglog(*zip(*points, strict=True), **options)
     values = sorted({value for points, _ in lines for value, _ in points})

@@ -152,7 +152,7 @@ def compare(results: Sequence[Result], configs: Sequence[Any]) -> dict[str, Any]
 
     They are errors of the last of three runs, or of the first of two runs.
     """
-    compared = [scenes.of(each) for each in configs]
+    compared: list[Any] = [scenes.of(each) for each in configs]
     spacings, expected = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
     snapshots: Any = zip(*(read_snapshots(Folder(result.folder).samples) for result in results), strict=True)
     norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
@@ -162,7 +162,8 @@ def compare(results: Sequence[Result], configs: Sequence[Any]) -> dict[str, Any]
         orders = [each.order for each in observed if each.order is not None and each.error is not None]
         order = statistics.median(orders) if orders else None
     samples = []
-    for fields, *numbers in zip(norms, *(result.summary["samples"] for result in results), strict=True):
+    sampled = zip(*(result.summary["samples"] for result in results), strict=True)
+    for fields, numbers in zip(norms, sampled, strict=True):
         values = {name: [each[name] for each in numbers] for name in compared[-1].flow_quantities}
         values = {name: each for name, each in values.items() if None not in each}
         if len(configs) == 2:

@@ -475,7 +475,7 @@ FAMILIES = {
 """Start of a method's name -> colour and marks; the first start that fits counts."""
 
 OURS, PEERS, QUOTED = "tisph", "peers, same machine", "quoted, measured elsewhere"
-LEGENDS = {OURS: "outside lower left", PEERS: "outside lower center", QUOTED: "outside lower right"}
+LEGENDS: dict[str, Any] = {OURS: "outside lower left", PEERS: "outside lower center", QUOTED: "outside lower right"}
 """Title of the legend of each kind of methods -> its place."""
 
 

@@ -346,7 +346,7 @@ def run(
 
 
 class Sweep:
-    """The rows of a study so far, kept in ``folder``: those of refused configs and of kept runs at once."""
+    """The known rows of a study, kept in ``folder``; at first the rows of refused configs and of kept runs."""
 
     def __init__(self, study: Study, folder: Path):
         self.study, self.folder = study, folder

@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
@@ -84,7 +85,7 @@ class Encoder:
         self._shape = (height, width, 4)
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         try:
-            self._process = subprocess.Popen(
+            self._process: Any = subprocess.Popen(
                 _command(path, width, height, frames_per_second),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
@@ -138,7 +139,7 @@ def _command(path: Path, width: int, height: int, frames_per_second: float) -> l
     ]  # fmt: skip
 
 
-def _widen(pipe) -> None:
+def _widen(pipe: Any) -> None:
     """Let more wait in ``pipe``, where its size can be chosen and the user's pipes together leave room for it."""
     with contextlib.suppress(ImportError, AttributeError, OSError):
         from fcntl import F_SETPIPE_SZ, fcntl

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
     return text
 
 
-def unit_label(kind: str, units) -> str:
+def unit_label(kind: str, units: Any) -> str:
     """Return the label of the unit of a ``kind`` of quantity, from the config's unit labels; velocity: ``m/s``.
 
     Forces and torques are per length across the plane. The unit of a stress is ``Pa`` where the units are m, kg and s,
@@ -119,7 +120,7 @@ def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], 
     return label
 
 
-def error_label(scene, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
+def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> relative error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
     Where u crosses zero or decays (``vanishing_scale``), a relative error would be large for no fault of the
@@ -129,7 +130,7 @@ def error_label(scene, field: tuple[str, str] | None = None) -> Callable[[Snapsh
     """
     of_velocity = field is None
     by_speed = of_velocity and bool(scene.fields) and scene.vanishing_scale  # takes longer than drawing a frame
-    name = "L2 error" if of_velocity else f"L2 error of {field[1]}"
+    name = f"L2 error of {field[1]}" if field else "L2 error"
 
     def label(snapshot: Snapshot) -> str:
         lacking = unresolved(scene, snapshot.t, snapshot)
@@ -139,7 +140,7 @@ def error_label(scene, field: tuple[str, str] | None = None) -> Callable[[Snapsh
             return ""
         if by_speed:
             return f"rms error {scientific(rms_error(scene, snapshot))} U"
-        error = relative_error(scene, snapshot) if of_velocity else field_error(scene, snapshot, field[0])
+        error = field_error(scene, snapshot, field[0]) if field else relative_error(scene, snapshot)
         return f"{name}: none yet" if error is None else f"{name} {scientific(error)}"
 
     return label

@@ -1,6 +1,8 @@
 """Where everything stands in a movie frame: pixel rectangles for any frame size and any shape of the box."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +78,7 @@ class Layout:
     error_label: Rect
     wall_thickness: int
 
-    def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def pixel_positions(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return columns and rows in the box [pixels] of positions ``x`` and ``y``."""
         return (x - self.low[0]) * self.pixels_per_length, (self.high[1] - y) * self.pixels_per_length
 
@@ -90,7 +92,7 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def arrange(scene, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
+def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
     """Return the layout of a frame for the box of ``scene``, both axes to the same scale.
 
     There is space for plane walls where it has some, and a rim around the box where bodies bound it. The two panels are
@@ -133,17 +135,19 @@ def arrange(scene, width: int, height: int, theme: style.Theme = style.LIGHT) ->
     )  # fmt: skip
 
 
-def _panels(region: Rect, px) -> tuple[Rect, Rect]:
+def _panels(region: Rect, px: Callable[[float], int]) -> tuple[Rect, Rect]:
     """Return the rectangles of profile and series in ``region``: side by side, or one above the other."""
     across, down = px(_GAP[0]), px(_GAP[1])
     if region.width > 1.6 * region.height:
         wide = (region.width - across) // 2
-        return tuple(Rect(left, region.top, wide, region.height) for left in (region.left, region.right - wide))
+        first, second = (Rect(left, region.top, wide, region.height) for left in (region.left, region.right - wide))
+        return first, second
     high = (region.height - down) // 2
-    return tuple(Rect(region.left, top, region.width, high) for top in (region.top, region.bottom - high))
+    first, second = (Rect(region.left, top, region.width, high) for top in (region.top, region.bottom - high))
+    return first, second
 
 
-def _colour_bar(box: Rect, px, shorter: int) -> Rect:
+def _colour_bar(box: Rect, px: Callable[[float], int], shorter: int) -> Rect:
     """Return the rectangle of the colour bar at the right of ``box``, ``shorter`` at both ends, but not very low."""
     height = max(box.height - 2 * shorter, px(90))
     return Rect(box.right + px(14), box.top + (box.height - height) // 2, px(12), height)

@@ -53,8 +53,9 @@ class Discs:
         is room for, all coverages of the picture are coarser, and many hundreds are cut off. What leaves the panel at
         one side enters at the other where it is ``periodic``, along columns and along rows; else it is cut off.
         """
-        kept = self._touching(points)
-        kept, weight = (points[0][kept], points[1][kept]), np.rint(SHARES * value[kept]).astype(np.int64)
+        touching = self._touching(points)
+        kept = points[0][touching], points[1][touching]
+        weight = np.rint(SHARES * value[touching]).astype(np.int64)
         weight += 1 << VALUE_BITS
         total = self._added(kept, weight, self._stamps, periodic)
         coarser = min(int(total.max() >> _SUM_BITS).bit_length(), _COARSEST)
@@ -155,7 +156,9 @@ def dense_line(points: Points, step: float = 0.5) -> Points:
 def dense_lines(lines: Iterable[Points]) -> Points:
     """Return the points of ``dense_line`` along several polylines; none without any."""
     dense = [dense_line(line) for line in lines]
-    return tuple(map(np.concatenate, zip(*dense, strict=True))) if dense else (np.empty(0), np.empty(0))
+    if not dense:
+        return np.empty(0), np.empty(0)
+    return np.concatenate([column for column, _ in dense]), np.concatenate([row for _, row in dense])
 
 
 def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:
@@ -182,7 +185,7 @@ def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:
         np.bincount(flat + k, side * weight, minlength=rows * (columns + 2))
         for k, weight in enumerate((1 - part, part))
     )
-    covered = np.abs(np.cumsum(sum(steps).reshape(rows, columns + 2), axis=1))[:, :columns]
+    covered = np.abs(np.cumsum(np.asarray(sum(steps)).reshape(rows, columns + 2), axis=1))[:, :columns]
     return np.rint(LEVELS / STRIPS * np.minimum(covered, STRIPS)).astype(np.uint8)
 
 

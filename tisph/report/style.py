@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import matplotlib.style
@@ -90,7 +91,7 @@ def plot_style(theme: Theme = LIGHT) -> AbstractContextManager:
 class PlotFigure(Figure):
     """A figure in this project's style, which a notebook shows, whatever it does with those of pyplot."""
 
-    def save(self, path) -> None:
+    def save(self, path: Any) -> None:
         """Write it as PNG to a path or an open file: quickly, a quarter larger than it could be."""
         with plot_style():
             self.savefig(path, format="png", pil_kwargs={"compress_level": 2})

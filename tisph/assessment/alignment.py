@@ -30,7 +30,7 @@ BEYOND = 1.0
 """Distance [spacings] beyond the walls from which on the data do not fit between them."""
 
 EVEN = 0.2
-"""Smallest distance of neighbouring heights on a line across, over their mean distance; closer heights are those of
+"""Smallest distance of neighbouring heights on a line across, over their mean distance; closer heights belong to
 scattered particles."""
 
 LEAST = 5

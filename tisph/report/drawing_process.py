@@ -43,13 +43,13 @@ BACKLOG = 64
 
 _PROGRAM = "import sys; sys.path[:] = sys.argv[1:]; from tisph.report.drawing_worker import main; main()"
 _NOT_DRAWN: dict[str, Any] = {"density": np.empty(0), "pressure": np.empty(0), "stress_xx": None, "stress_yy": None}
-"""What stands for the fields of a snapshot that no picture shows, unless the scene says so."""
+"""Values in place of the fields of a snapshot that no picture shows, unless the scene asks for them."""
 
 
 class DrawingProcess:
-    """A process that draws. It ends with this one, whatever ends that, and finishes the movie it is at.
+    """A process that draws. It finishes its movie and ends when this process ends, for any reason.
 
-    What it cannot do, and its own end, is a TisphError where the result is asked for, and nowhere else.
+    A task that fails, and an end of the process, raise TisphError only where the result of a task is read.
     """
 
     def __init__(self) -> None:
@@ -72,7 +72,7 @@ class DrawingProcess:
         return self._process.poll() is None
 
     def request(self, task: str, *arguments: Any) -> Future:
-        """Let it do ``task``, a method of ``drawing_worker.Worker``, after all earlier ones; return the result."""
+        """Send ``task``, a method of ``drawing_worker.Worker``, which runs after all earlier ones; return a future."""
         future: Future = Future()
         self._tasks.put((future, pickle.dumps((task, arguments), pickle.HIGHEST_PROTOCOL)))
         return future

@@ -73,7 +73,7 @@ class Worker:
             return {name: image.result() for name, image in drawn.items()}
 
     def answer(self, task: str, arguments: Sequence[Any]) -> tuple[object, str | None]:
-        """Return the result of ``task``, or what went wrong with it."""
+        """Return the result and the error message of ``task``, one of them None."""
         try:
             return getattr(self, task)(*arguments), None
         except TisphError as error:
@@ -83,11 +83,11 @@ class Worker:
 
 
 def main() -> None:
-    """Do what standard input asks for, to its end."""
+    """Run the tasks from standard input until it ends."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # the run decides how to end
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # libraries may print; standard output has answers only
     worker = Worker()
     with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):  # the run has ended, maybe in mid-word
         while True:

@@ -46,7 +46,7 @@ SOUGHT = "-2"
 def poster(path: Path) -> bytes | None:
     """Return the last frame of the movie in the file ``path`` as JPEG, None where that is no whole movie."""
     frame = None
-    with suppress(OSError, RuntimeError):  # what imageio-ffmpeg raises of a damaged file
+    with suppress(OSError, RuntimeError):  # errors of imageio-ffmpeg for a damaged file
         frames = imageio_ffmpeg.read_frames(str(path), input_params=["-sseof", SOUGHT])
         size = next(frames)["size"]
         for frame in frames:  # noqa: B007 (the last one is used)
@@ -64,8 +64,8 @@ _COLOURS = (
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv"
 )
 
-# What particles on a plain ground do not need is left out: half of the time of preset veryfast at crf 23, 1.5 times the
-# bytes, PSNR 33.8 dB instead of 35.4 for Couette flow.
+# Features that particles on a plain ground do not need are off: half of the time of preset veryfast at crf 23, 1.5
+# times the bytes, PSNR 33.8 dB instead of 35.4 for Couette flow.
 _QUALITY = (
     *("-preset", "superfast", "-crf", "26"),
     *("-x264-params", "cabac=0:bframes=0:subme=0:rc-lookahead=0:mbtree=0:weightp=0"),

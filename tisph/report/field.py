@@ -57,7 +57,7 @@ class Dye:
 
 _MOST = 40_000  # nodes
 _MARGIN = 4  # nodes beyond each side
-_BEYOND = 3.0  # of them in which particles count for what is seen
+_BEYOND = 3.0  # nodes beyond each side up to which particles count
 _LEAST = 0.02  # sum of weights of a node, 1 where particles are everywhere: below it there is nothing to fit
 _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a line leave no slope undetermined
 
@@ -65,7 +65,8 @@ _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a
 class FieldGrid:
     """The grid of one picture: ``fit`` takes values, then ``image`` has the field of the first, ``at`` of the last.
 
-    ``low`` and ``high`` are corners of what is shown, ``shape`` (rows, columns) its pixels, the first row at the top.
+    ``low`` and ``high`` are corners of the shown part of the box, ``shape`` (rows, columns) its pixels, the first row
+    at the top.
     Along ``periodic`` axes, all of whose period is shown, particles near one side count at the other, too.
     """
 
@@ -99,7 +100,7 @@ class FieldGrid:
             )
 
     def fit(self, x: np.ndarray, y: np.ndarray, *values: np.ndarray) -> None:
-        """Fit to each of ``values`` (particles,) at ``x`` and ``y``; particles with what is no number are left out."""
+        """Fit to each of ``values`` (particles,) at ``x`` and ``y``; particles with NaN or inf do not count."""
         x, y, *copied = self._copied(x, y, *values)
         (first_x, near_x, away_x), (first_y, near_y, away_y) = (
             _splines(self._nodes(place, axis)) for axis, place in enumerate((x, y))
@@ -215,7 +216,7 @@ class FluidPainter:
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
         """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
 
-        The grid is left with ``profile``, what the profile panel shows.
+        The last fit of the grid is ``profile``, the values of the profile panel.
         """
         if self.style == "particles":
             share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too

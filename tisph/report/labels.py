@@ -63,8 +63,8 @@ def tick_text(value: float, exponent: int) -> str:
 def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Callable[[float], str]:
     """Return a function value -> text with as many decimals as give ``largest`` that many significant ``digits``.
 
-    Values follow each other without moving about: the power of ten, where there is one, is that of ``largest``,
-    as in ``axis_exponent``, and zero is written with all its decimals.
+    All values have the same width: the power of ten, if any, is the one of ``largest`` as in ``axis_exponent``, and
+    zero is written with all its decimals.
     """
     exponent = axis_exponent(largest, smallest_plain)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest) - exponent))
@@ -109,8 +109,8 @@ def unit_label(kind: str, units: Any) -> str:
 def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:
     """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
 
-    The steps of t are about a thousandth of that, those of t* = t / ``time_scale``, for which ``formula`` stands, a
-    ten-thousandth.
+    t has a resolution of about ``time_scale``/1000, and t* = t / ``time_scale``, which is written as ``formula``, of
+    1/10000.
     """
     clock = fixed_point(time_scale, 4)
 
@@ -123,10 +123,10 @@ def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], 
 def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> relative error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
-    Where u crosses zero or decays (``vanishing_scale``), a relative error would be large for no fault of the
-    particles: it is then the rms error as a multiple of the reference velocity U, ``rms error 1.5×10⁻³ U``. What is not
-    resolved has no error to speak of: ``unresolved: 0.3 spacings`` is the thickness of a layer. With ``field``, a name
-    and what it is called, it is the error of that one. Without a reference there are no other words.
+    Where u crosses zero or decays (``vanishing_scale``), the relative error is large although the particles are right;
+    the text then has the rms error over the reference velocity U, ``rms error 1.5×10⁻³ U``. A flow that is not
+    resolved has no meaningful error: ``unresolved: 0.3 spacings`` is the thickness of its layer. ``field`` (name in the
+    snapshot, name in words) selects the error of one field. Without a reference the text is empty.
     """
     of_velocity = field is None
     by_speed = of_velocity and bool(scene.fields) and scene.vanishing_scale  # takes longer than drawing a frame

@@ -11,7 +11,7 @@ from tisph.report import style
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 _LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
-_LEAST_BOX = 400  # pixels likewise: width of the box with what is written beside it
+_LEAST_BOX = 400  # pixels likewise: width of the box with the labels beside it
 _GAP = 90, 78  # pixels likewise: between panels, for tick labels and names
 
 
@@ -46,7 +46,7 @@ class Rect:
 
     @property
     def inner(self) -> "Rect":
-        """What the lines of axes, which are on its border, leave of it."""
+        """The rectangle without its border, where the lines of axes are."""
         return Rect(self.left + 1, self.top + 1, self.width - 2, self.height - 2)
 
 
@@ -54,9 +54,8 @@ class Rect:
 class Layout:
     """The parts of a frame of ``width`` x ``height`` pixels.
 
-    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` is the lowest corner of the box
-    and ``high`` the highest of what is drawn of it, ``shown_length`` (length) along x; ``pixels_per_length`` is the
-    same along x and y.
+    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` and ``high`` are the corners of
+    the shown part of the box, ``shown_length`` is its length along x; ``pixels_per_length`` is the same along x and y.
     ``box``, ``profile``, ``series``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all
     that changes from frame to frame. Left of the column ``split``, beside walls, there is room for their labels.
     """

@@ -44,7 +44,7 @@ _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size bel
 def build_figure(scene: Any, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet.
 
-    ``quantity`` is what colours the fluid and fills the profile panel.
+    ``quantity`` is the quantity of the colours and of the profile panel.
     """
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
@@ -162,13 +162,13 @@ class _Stage:
         self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference)
 
     def _key_line(self, start: float, row: float, name: str) -> None:
-        """Key to the thin line of what is known, from ``start`` on."""
+        """Draw the key to the thin line of exact or steady values, from ``start`` on."""
         px = self.layout.pixels
         self.overlay.plot([start, start + px(20)], [row, row], "-", color=self.theme.exact, linewidth=px(2))
         self._text(start + px(26), row, name, size=14, va="center")
 
     def titles(self, title: str) -> None:
-        """Name of the run at the left, what it is at the right."""
+        """Write the name of the run at the left, its numbers at the right."""
         px, layout = self.layout.pixels, self.layout
         facts = "     ".join(self._facts())
         right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=self.theme.muted)
@@ -242,7 +242,7 @@ _OVERLAYS = {"vectors": Vectors, "streamlines": Streamlines, "tracks": Tracks}
 
 @dataclass(frozen=True)
 class Measured:
-    """A snapshot, and what a frame shows of it.
+    """A snapshot, and the quantities that a frame shows.
 
     ``colours`` and ``profile`` (particles,) are the quantities of the field and of the profile panel, ``series`` the
     numbers over time.
@@ -258,8 +258,8 @@ class FrameRenderer:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
     ``scene`` is a ``tisph.scenes._scene.Scene``, ``layout`` its frame, ``video`` the config's ``output.video``,
-    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run. ``frame`` is the last one
-    with an idle byte after each RGB, (height, width, 4): what can be filled and encoded the quickest.
+    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run. ``frame`` is the last
+    frame with an idle byte after each RGB, (height, width, 4), which is the fastest to fill and to encode.
     """
 
     def __init__(self, scene: Any, layout: Layout, video: Any, title: str, quantity: Quantity, time_panel: TimePanel):
@@ -307,7 +307,7 @@ class FrameRenderer:
 
 
 def _overlays(scene: Any, name: str) -> list:
-    """Return what is painted over the fluid, in this order: the overlay of that ``name``, if any, and bodies."""
+    """Return the classes of the overlays, in the order of painting: overlay ``name``, if any, then bodies."""
     overlays = [_OVERLAYS[name]] if name in _OVERLAYS else []
     overlays += [Solids] if scene.bodies else []
     return [*overlays, BodyTracks] if name == "tracks" and scene.has_free_bodies else overlays
@@ -379,7 +379,7 @@ class Movie:
     Where exact values tell the ranges of axes and colours, a frame is drawn when it is added; else its snapshot waits
     in a temporary file until the movie is closed and all ranges are known. The movie's own file is opened by the first
     frame that is drawn, so a Movie that only serves ``save_frame`` writes none. As a context manager it closes the file
-    whatever happens: what was added by then can be played.
+    also after an error: the frames up to then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
@@ -426,7 +426,7 @@ class Movie:
         pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
     def close(self) -> None:
-        """Draw what waits and finish the file. May be called again, and does nothing then."""
+        """Draw the waiting snapshots and finish the file. A second call does nothing."""
         waiting, self._waiting = self._waiting, None
         try:
             if waiting and self._ranges:
@@ -473,7 +473,7 @@ class Movie:
 
 
 class _Ranges:
-    """Ranges of what frames show, the profile along ``line``, and how many frames there are."""
+    """Ranges of colours, of the profile along ``line`` and of the series over the frames, and the number of frames."""
 
     def __init__(self, line: ProfileLine):
         self.colours, self.profile, self.series = Extremes(), Extremes(whole=True), Extremes(whole=True)

@@ -66,7 +66,7 @@ class Solids:
         """Lay the bodies of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
         bodies: Any = snapshot.bodies
         position = bodies.centre.tobytes(), bodies.angle.tobytes()
-        if position != self._position:  # what stands still is drawn once
+        if position != self._position:  # resting bodies are drawn once
             self._position, self._covers = position, self._cover(bodies)
         within, rims, lines = self._covers
         solid, edge = style.rgb(self._layout.theme.solid), style.rgb(self._layout.theme.solid_edge)

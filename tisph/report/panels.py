@@ -21,8 +21,8 @@ _EXACT_TIMES = 200
 class TimePanel:
     """The first numbers of ``series`` over a run to time ``end``, as lines that end at the time of each frame.
 
-    ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): what they come to
-    in the steady state, where no exact values are known and those are; NaN for those that are not.
+    ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): values in the
+    steady state, used where no exact values are known; NaN where unknown.
     """
 
     def __init__(self, scene: Any, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):

@@ -29,7 +29,7 @@ _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
-_MARGIN = 0.1  # of the axis, beyond what is resolved
+_MARGIN = 0.1  # of the range of the resolved values, at both ends of the axis
 _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
 
@@ -38,9 +38,9 @@ def history_figure(
 ) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time: markers on their exact history, or lines where it has none.
 
-    ``settings`` are those of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
+    ``settings``: arguments of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
     scene. Each kind of number has axes of its own. Of more than twelve numbers the legend names twelve, evenly chosen.
-    Times at which the flow is not ``resolved`` (n,) are shaded; None for what the scene knows of that.
+    Times at which the flow is not ``resolved`` (n,) are shaded; if None, the scene decides where it is resolved.
     """
     series = scene.time_series(**settings)
     if resolved is None:
@@ -278,7 +278,7 @@ def _between(value: float) -> str:
 def plot_reading(path: Path, name: str, reading: Any, units: Any) -> None:
     """Write a PNG of the curves of a ``measures.rheometry.Reading``, a row of axes for each of its ``Axes``.
 
-    ``units`` are those of the config.
+    ``units``: labels of the units of the config.
     """
     rows = list(dict.fromkeys(curve[0] for curve in reading.curves))
     with style.plot_style():

@@ -1,4 +1,4 @@
-"""What colours the fluid of a movie and fills its profile panel, with names, units and ranges over the run."""
+"""The quantity of the colours and of the profile panel of a movie, with names, units and ranges over the run."""
 
 import math
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ class Quantity:
 def quantity(
     view: MovieView, scene: Any, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None
 ) -> Quantity:
-    """Return what ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
+    """Return the quantity that ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
 
     ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
     """
@@ -65,7 +65,7 @@ def quantity(
 class Extremes:
     """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out.
 
-    With ``whole`` all values of a frame count: those of a curve, not of a field.
+    With ``whole`` all values of a frame count, as for a curve; a field has outliers.
     """
 
     def __init__(self, whole: bool = False):

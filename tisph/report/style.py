@@ -28,7 +28,7 @@ DYE_MAP = LinearSegmentedColormap.from_list("dye", DYES)
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours of a movie: ``series`` those of numbers over time, ``exact`` that of all references."""
+    """Colours of a movie: ``series`` for numbers over time, ``exact`` for all references."""
 
     background: str = "#ffffff"
     text: str = "#22262e"
@@ -89,7 +89,7 @@ def plot_style(theme: Theme = LIGHT) -> AbstractContextManager:
 
 
 class PlotFigure(Figure):
-    """A figure in this project's style, which a notebook shows, whatever it does with those of pyplot."""
+    """A figure in this project's style, which a notebook shows as PNG without pyplot."""
 
     def save(self, path: Any) -> None:
         """Write it as PNG to a path or an open file: quickly, a quarter larger than it could be."""

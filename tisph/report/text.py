@@ -33,7 +33,7 @@ def fitting_size(text: str, size: int, width: float) -> int:
 
 
 def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str) -> None:
-    """Write one line into ``box``, at its ``left`` or ``right`` side or its ``middle``, over what is there."""
+    """Write one line over the picture in ``box``, at its ``left`` or ``right`` side or its ``middle``."""
     image = Image.fromarray(frame[box.slices])
     place, anchor = {"left": (0, "lm"), "right": (box.width, "rm"), "middle": (box.width / 2, "mm")}[side]
     draw = ImageDraw.Draw(image)

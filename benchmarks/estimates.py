@@ -28,8 +28,7 @@ from tisph.cli.check import ERROR_FACTORS
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.studies import stability as matrix
-from tisph.studies.engine import Engine
-from tisph.studies.store import Store, claimed, config_text
+from tisph.studies.store import Engine, Store, claimed, config_text
 from tisph.text_table import format_header, format_row
 
 HEADER = ("case", "t", "rms predicted", "found", "factor", "steps predicted", "found", "resolved", "seconds", "verdict")

@@ -7,7 +7,7 @@ import time
 
 from distributed import Worker
 
-from tisph.studies import sweep_cluster
+from tisph.studies import sweep
 from tisph.studies.processes import Result
 
 
@@ -45,5 +45,5 @@ async def work(address):
 
 
 if __name__ == "__main__":
-    sweep_cluster.run_config = stand_in
+    sweep.run_config = stand_in
     asyncio.run(work(sys.argv[1]))

@@ -10,7 +10,7 @@ from assessment_case import TIME, exact, loaded
 from typer.testing import CliRunner
 
 from tisph import cli, registry
-from tisph.assessment import judge, readers, report
+from tisph.assessment import judge, readers
 from tisph.config import load
 from tisph.errors import ConfigError
 
@@ -248,7 +248,7 @@ def test_decimal_commas_between_semicolons(tmp_path, config):
     (tmp_path / "german.csv").write_text("\n".join(["y;u", *lines]))
     found = judge.judge(config, [tmp_path / "german.csv"], judge.Question(times=(TIME,)))
     assert found.samples[0].numbers["l2"] < 1e-10  # twelve digits
-    assert "40 points" in report.text(found, "case")
+    assert "40 points" in judge.text(found, "case")
 
 
 def test_an_error_of_round_off_has_no_place(tmp_path, config):
@@ -256,7 +256,7 @@ def test_an_error_of_round_off_has_no_place(tmp_path, config):
     for t in (1.8, 2.7):
         csv(tmp_path / f"{t}.csv", {"y": y, "u": exact(y, t) * (1 + 1e-9 * y)})
     found = judge.judge(config, [tmp_path / "1.8.csv", tmp_path / "2.7.csv"], judge.Question(times=(1.8, 2.7)))
-    text = report.text(found, "case")
+    text = judge.text(found, "case")
     assert "t = 2.7, 40 across: error as small as that of the reference, or round-off" in text
     assert "wall (y" not in text
     assert "from t = 1.8" not in text

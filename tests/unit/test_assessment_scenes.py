@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, scenes
-from tisph.assessment import judge, report
+from tisph.assessment import judge
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
@@ -115,7 +115,7 @@ def few_points(folder, config, scene, snapshot):
         )
         own = sample_metrics(scene, part, None, errors_alone=True)
         assert found.samples[0].numbers["l2"] == pytest.approx(own["l2"], rel=1e-9)
-        assert "fewer than" in report.text(found, config.name)
+        assert "fewer than" in judge.text(found, config.name)
 
 
 RADIUS = (np.arange(20) + 0.5) / 20

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tisph.studies.extrapolation import of_norms, of_number
+from tisph.studies.error_estimate import of_norms, of_number
 
 SPACINGS = 1 / 25, 1 / 35, 1 / 50
 BELIEVED = 1.0, 6.0

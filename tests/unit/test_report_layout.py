@@ -8,8 +8,8 @@ from report_scene import END, Drawn, make_channel, make_polymer_channel, make_sn
 
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
-from tisph.report.background import build_figure
 from tisph.report.layout import arrange
+from tisph.report.movie import build_figure
 from tisph.report.panels import TimePanel
 from tisph.report.text import DriveLabel, text_width, wall_labels
 

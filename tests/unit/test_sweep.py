@@ -19,7 +19,7 @@ from sweep_worker import summary
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.studies import processes, sweep, sweep_cluster
+from tisph.studies import processes, sweep
 from tisph.studies.store import fingerprint
 from tisph.studies.sweep import run
 
@@ -226,14 +226,14 @@ def test_a_worker_that_dask_started_as_a_daemon_may_start_runs(monkeypatch):
         process.join()
         return None, "ended"
 
-    monkeypatch.setattr(sweep_cluster, "run_config", run_config)
+    monkeypatch.setattr(sweep, "run_config", run_config)
     monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
-    assert sweep_cluster.run("name", {}, fingerprint()) == ("name", {}, "ended")
+    assert sweep.run_on_worker("name", {}, fingerprint()) == ("name", {}, "ended")
 
 
 def test_no_scheduler_is_one_message(study, tmp_path, monkeypatch):
     pytest.importorskip("distributed", reason="Dask is an extra")
-    connect = sweep_cluster._imported().Client
-    monkeypatch.setattr(sweep_cluster._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
+    connect = sweep._imported().Client
+    monkeypatch.setattr(sweep._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
     with pytest.raises(ConfigError, match="cannot be reached"):
         run(study, tmp_path / "out", forecast, 1, "tcp://127.0.0.1:9")

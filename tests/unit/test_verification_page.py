@@ -3,7 +3,7 @@
 import pytest
 
 from tisph.errors import ConfigError
-from tisph.studies import page, verify
+from tisph.studies import verify
 from tisph.text_table import format_table
 
 
@@ -36,7 +36,7 @@ def page_summary(status="done", **changes):
 
 
 def test_the_pages_slopes_stand_beside_ours():
-    header, _, row = page.page_table({"re50": page_summary()}).splitlines()[:3]
+    header, _, row = verify.page_table({"re50": page_summary()}).splitlines()[:3]
     cells = dict(zip(*([cell.strip() for cell in line.split("|")] for line in (header, row)), strict=True))
     assert cells["page: slope (error)"] == "0.49 (2 %)"
     assert cells["slope"] == "0.34300"
@@ -48,7 +48,7 @@ def test_the_pages_slopes_stand_beside_ours():
 
 def test_rounding_errors_are_not_shown_as_numbers():
     exact = page_summary(slope=0.5 + 1e-16, slope_exact=0.5, intercept=-1e-17)
-    row = page.page_table({"developed": exact}).splitlines()[2]
+    row = verify.page_table({"developed": exact}).splitlines()[2]
     assert row.count("< 1e-6 %") == 2
     assert "-0.00000" not in row
 
@@ -56,7 +56,7 @@ def test_rounding_errors_are_not_shown_as_numbers():
 def test_the_page_table_survives_runs_that_did_not():
     """A sample that is not finite gives dashes, a run without samples its status."""
     broken = page_summary("diverged", slope=None, l2=None)
-    text = page.page_table({"re50": broken, "re5": {"status": "failed", "samples": []}})
+    text = verify.page_table({"re50": broken, "re5": {"status": "failed", "samples": []}})
     rows = [line for line in text.splitlines() if line.startswith("| re")][1:]
     assert "re50 (diverged)" in rows[0]
     assert " - " in rows[0]
@@ -70,13 +70,13 @@ def page_configs(monkeypatch, tmp_path):
     for name in ("re50", "developed"):
         (tmp_path / "configs" / f"vm_sph_001_{name}.yaml").write_text(f"name: {name}\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(page, "READINGS", {"re50": "water", "developed": "linear"})
+    monkeypatch.setattr(verify, "READINGS", {"re50": "water", "developed": "linear"})
     return tmp_path
 
 
 def test_the_page_needs_every_reading_to_finish(fake_process, page_configs, monkeypatch, capsys):
     seen, outcomes = fake_process
-    monkeypatch.setattr(page, "page_table", lambda summaries: f"table of {', '.join(summaries)}")
+    monkeypatch.setattr(verify, "page_table", lambda summaries: f"table of {', '.join(summaries)}")
     assert verify.run_page() is True
     assert [config["name"] for config in seen] == ["re50", "developed"]
     assert capsys.readouterr().out.endswith("table of re50, developed\n\n2 of 2 readings reached their end\n")
@@ -88,6 +88,6 @@ def test_the_page_needs_every_reading_to_finish(fake_process, page_configs, monk
 
 
 def test_without_the_pages_configs_the_message_says_where_they_are(page_configs, monkeypatch):
-    monkeypatch.setattr(page, "READINGS", {"no_such_reading": ""})
+    monkeypatch.setattr(verify, "READINGS", {"no_such_reading": ""})
     with pytest.raises(ConfigError, match="vm_sph_001_no_such_reading"):
         verify.run_page()

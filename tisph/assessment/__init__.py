@@ -1,1 +1,1 @@
-"""Assessment: what the result of any code is worth, judged as tisph judges its own runs."""
+"""Assessment: the result of any code, judged as tisph judges its own runs."""

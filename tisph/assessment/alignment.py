@@ -1,9 +1,10 @@
-"""Where the data lie in the scene: axes, origin and spacing, given or found, and a snapshot of them.
+"""Alignment of data with the scene: axes, origin and spacing, given or found, and a snapshot of the data.
 
-What is not in the data is NaN in the snapshot, so that all that depends on it has no number.
+A quantity that the data do not have is NaN in the snapshot, so that no number is computed from it.
 """
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -12,51 +13,58 @@ from tisph.measures.fits import NEIGHBOURS, periodic_tree
 from tisph.measures.metrics import root_mean_square
 from tisph.snapshot import Bodies, Snapshot
 
+Axes = tuple[str, str]
+Columns = dict[str, np.ndarray]
+
 AXES = [(along, towards) for along in ("x", "-x", "y", "-y") for towards in ("y", "-y", "x", "-x")]
 ORIENTATIONS = [pair for pair in AXES if pair[0][-1] != pair[1][-1]]
-"""Axes of the data along which x and y of the scene point; the first one is that of the scene."""
+"""Axes of the data along which x and y of the scene point; in the first pair both have the same axes."""
 
 BETTER = 0.2
-"""Another orientation is taken where its error is below that fraction of the error as the data are."""
+"""Another orientation is taken if its error is below this fraction of the error in the given orientation."""
 
 DOUBTFUL = 0.1
-"""Error over U below which no other orientation is looked for."""
+"""Error over U below which no other orientation is tried."""
 
 BEYOND = 1.0
-"""Spacings beyond the walls from which on the data do not fit between them."""
+"""Distance [spacings] beyond the walls from which on the data do not fit between them."""
 
 EVEN = 0.2
-"""Heights that lie closer than that part of their mean distance are of particles, not of one line across."""
+"""Smallest distance of neighbouring heights on a line across, over their mean distance; closer heights belong to
+scattered particles."""
 
 LEAST = 5
-"""Points, and points across a channel, that are needed for a comparison, and for other numbers than errors."""
+"""Smallest number of points for a comparison, and of points across a channel for numbers other than errors."""
 
 FILLING = 0.6
-"""Points fill a region where that part of the spacing of as many particles lies between most of them."""
+"""Points fill a region if their median distance is at least this fraction of the spacing of as many particles."""
 
 COLUMNS = 8
-"""Columns of particles that a line across the channel stands for: enough for the fits that read between points."""
+"""Columns of particles that replace a line across the channel: enough for the fits between points."""
 
 GOLDEN = 0.6180339887498949
 
 
 @dataclass(frozen=True)
 class Aligned:
-    """Data in the scene: a ``Snapshot`` with its reference, the scene with the spacing of the data, how many ``points``
-    the data have, which may be repeated along the channel in the snapshot, and in words how they were aligned."""
+    """Data as a ``snapshot`` with its reference, in a ``scene`` with the spacing of the data.
 
-    scene: object
+    ``points``: number of points of the data, which the snapshot of a channel may repeat along x; ``notes``: how the
+    data were aligned, in words.
+    """
+
+    scene: Any
     snapshot: Snapshot
     points: int
     notes: tuple[str, ...] = ()
 
-    def noted(self, text):
-        """The same with one more note."""
+    def noted(self, text: str) -> "Aligned":
+        """Return a copy with one more note."""
         return replace(self, notes=(*self.notes, text))
 
 
-def orientation(text):
-    """Pair of axes from a text such as ``x,-y``; ConfigError for any other."""
+def orientation(text: str) -> Axes:
+    """Return the pair of axes from a text such as ``x,-y``; ConfigError for any other text."""
     pair = tuple(part.strip() for part in text.split(","))
     if pair not in ORIENTATIONS:
         known = " ".join(",".join(each) for each in ORIENTATIONS)
@@ -64,8 +72,10 @@ def orientation(text):
     return pair
 
 
-def align(columns, scene, t, *, axes=None, origin=None):
-    """``Aligned`` of data by quantity, in the units of the config, at time ``t``.
+def align(
+    columns: Columns, scene: Any, t: float, *, axes: Axes | None = None, origin: tuple[float, float] | None = None
+) -> Aligned:
+    """Return ``Aligned`` of data at time ``t``; ``columns``: arrays by quantity, in the units of the config.
 
     ``axes`` is one of ``ORIENTATIONS``, ``origin`` the place in the data of the point (0, 0) of the scene: both are
     found between plane walls where they are not given. ConfigError where the data do not fit.
@@ -78,10 +88,10 @@ def align(columns, scene, t, *, axes=None, origin=None):
     return _between_walls(columns, scene, t, axes, origin)
 
 
-def _cartesian(columns, scene):
-    """Columns along the axes of the scene, of data that may have r, u_r, u_theta instead.
+def _cartesian(columns: Columns, scene: Any) -> Columns:
+    """Return columns along the axes of the scene, also from data in r, u_r, u_theta.
 
-    Nothing depends on the angle between cylinders, nor on the place along a pipe: where it is not given it is made up.
+    The flow does not depend on the angle between cylinders, nor on the place along a pipe: if missing, it is invented.
     """
     if scene.axisymmetric:
         names = {"r": "y", "u_r": "v", "u_theta": "w"}
@@ -102,16 +112,16 @@ def _cartesian(columns, scene):
     return columns | places | {"u": u, "v": v}
 
 
-def _made_up(heights, size):
-    """Places within ``size`` along which nothing depends: one for a line, as even as may be for particles."""
+def _made_up(heights: np.ndarray, size: float) -> np.ndarray:
+    """Return coordinates within ``size`` on which the flow does not depend: equal on a line, else evenly spread."""
     if _even(heights):
         return np.full(len(heights), 0.5 * size)
     rank = np.argsort(np.argsort(heights, kind="stable"))
     return rank * GOLDEN % 1.0 * size
 
 
-def _completed(columns, scene, t):
-    """Columns with 0 for velocities that the data lack and the reference has none of; and a note of them."""
+def _completed(columns: Columns, scene: Any, t: float) -> tuple[Columns, tuple[str, ...]]:
+    """Return columns with 0 for missing velocities that are 0 in the reference, and a note about them."""
     components = [name for name in "uvw" if name in scene.fields]
     missing = [name for name in ("x", "y", *components) if name not in columns]
     if not {"x", "y"} & set(missing):
@@ -124,8 +134,10 @@ def _completed(columns, scene, t):
     return columns | {name: np.zeros(len(columns["x"])) for name in zero}, notes[: len(zero)]
 
 
-def _between_walls(columns, scene, t, axes, origin):
-    """As they are if they fit; else, or where another orientation has far less error, as they fit best."""
+def _between_walls(
+    columns: Columns, scene: Any, t: float, axes: Axes | None, origin: tuple[float, float] | None
+) -> Aligned:
+    """Return the data in the given orientation if they fit; else, or if its error is far smaller, in the best one."""
     choices = [axes] if axes else [pair for pair in ORIENTATIONS if _has(columns, pair)]
     as_is = _tried(columns, scene, t, choices[0], origin) if choices else None
     if as_is and not as_is.notes and _error(as_is) < DOUBTFUL * scene.reference_velocity:
@@ -139,20 +151,20 @@ def _between_walls(columns, scene, t, axes, origin):
     return as_is if as_is and not as_is.notes and _error(best) > BETTER * _error(as_is) else best
 
 
-def _has(columns, axes):
-    """Whether the data have a velocity along the walls and heights with these ``axes``."""
+def _has(columns: Columns, axes: Axes) -> bool:
+    """Return whether the data have a velocity along the walls and heights with these ``axes``."""
     speed = {"x": "u", "y": "v"}[axes[0][-1]]
     return axes[1][-1] in columns and speed in columns and ("x" in columns or axes[0] == "x")
 
 
-def _tried(columns, scene, t, axes, origin):
-    """``Aligned`` with these axes, None where the data do not fit."""
+def _tried(columns: Columns, scene: Any, t: float, axes: Axes, origin: tuple[float, float] | None) -> Aligned | None:
+    """Return ``Aligned`` with these axes, None if the data do not fit between the walls."""
     spacing = _spacing(columns, scene)
     reoriented = _reoriented(columns, axes, origin or (0.0, 0.0))
     low, high = reoriented["y"].min(), reoriented["y"].max()
     mirrored = ", or the velocities have the wrong sign" if axes == ("-x", "y") else ""
     text = f"x and y of the scene point along {axes[0]} and {axes[1]} of the data{mirrored}"
-    notes = () if axes == ORIENTATIONS[0] else (text,)
+    notes: tuple[str, ...] = () if axes == ORIENTATIONS[0] else (text,)
     if low < -BEYOND * spacing or high > scene.gap + BEYOND * spacing:
         if origin or abs(high - low + spacing - scene.gap) > 2 * BEYOND * spacing:
             return None
@@ -165,8 +177,8 @@ def _tried(columns, scene, t, axes, origin):
     return _aligned(reoriented, notes, scene, t)
 
 
-def _reoriented(columns, axes, origin):
-    """Columns as the scene has its axes, the places from ``origin``, a place of the data."""
+def _reoriented(columns: Columns, axes: Axes, origin: tuple[float, float]) -> Columns:
+    """Return columns in the axes of the scene; coordinates are relative to ``origin``, a point of the data."""
     place = dict(zip("xy", origin, strict=True))
     reoriented = {name: array for name, array in columns.items() if name not in "xyuv"}
     for axis, name, speed in zip(axes, "xy", "uv", strict=True):
@@ -178,19 +190,19 @@ def _reoriented(columns, axes, origin):
     return reoriented
 
 
-def _error(aligned):
-    """Root mean square error of the velocities, in whatever unit they are: with the best factor, which is no mirror."""
-    u, exact = aligned.snapshot.u, aligned.snapshot.reference["u"]
+def _error(aligned: Aligned) -> float:
+    """Return the root mean square error of the velocities in any unit: with the best factor that is not negative."""
+    u, exact = aligned.snapshot.u, (aligned.snapshot.reference or {})["u"]
     size = np.sum(u**2)
     return root_mean_square((max(np.sum(u * exact) / size, 0.0) if size else 0.0) * u - exact)
 
 
-def _spacing(columns, scene):
-    """Spacing of the points: of a lattice with as many of them and the same extent; of a profile along y."""
+def _spacing(columns: Columns, scene: Any) -> float:
+    """Return the spacing of the points: of a lattice of as many points with the same extent, or along a profile."""
     count = len(columns["y"])
     if _is_profile(columns):
-        extent = np.hypot(*(np.ptp(columns[name]) if name in columns else 0.0 for name in "xy"))
-        return float(extent) / max(count - 1, 1)
+        width, height = (np.ptp(columns[name]) if name in columns else 0.0 for name in "xy")
+        return float(np.hypot(width, height)) / max(count - 1, 1)
     if not scene.parallel:
         return scene.spacing * np.sqrt(scene.particles / count)
     if "x" not in columns:
@@ -200,8 +212,8 @@ def _spacing(columns, scene):
     return float(both + np.sqrt(both**2 + 4 * more * width * height)) / (2 * more)
 
 
-def _is_profile(columns):
-    """Whether the points are on one line, or, where one coordinate is given, as far apart as those on one are."""
+def _is_profile(columns: Columns) -> bool:
+    """Return whether the points are on one line; if only one coordinate is given, whether their distances are even."""
     if "x" not in columns:
         return _even(columns["y"])
     places = np.stack([columns["x"] - columns["x"].mean(), columns["y"] - columns["y"].mean()])
@@ -209,12 +221,12 @@ def _is_profile(columns):
     return bool(least <= 1e-7 * largest)  # roots of round-off
 
 
-def _even(heights):
+def _even(heights: np.ndarray) -> bool:
     steps = np.diff(np.sort(heights))
     return bool(steps.min(initial=np.inf) > EVEN * steps.mean()) if len(steps) else True
 
 
-def _aligned(columns, notes, scene, t):
+def _aligned(columns: Columns, notes: tuple[str, ...], scene: Any, t: float) -> Aligned:
     spacing, points = _spacing(columns, scene), len(columns["y"])
     if scene.parallel:
         columns, scene = _in_channel(columns, scene, spacing)
@@ -229,14 +241,16 @@ def _aligned(columns, notes, scene, t):
         for axis, start, size, periodic in zip((x, y), low, scene.extent, scene.periodic, strict=True)
     ]
     nothing = np.full(len(y), np.nan)
-    known = {name: columns.get(name, nothing) for name in {"u", "v", "density", "pressure", *scene.fields}}
+    known: dict[str, Any] = {
+        name: columns.get(name, nothing) for name in {"u", "v", "density", "pressure", *scene.fields}
+    }
     exact = {name: scene.exact(name, *places, t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
     snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, reference=exact, bodies=bodies)
     return Aligned(scene, snapshot, points, notes)
 
 
-def _check_inside(columns, scene, t):
+def _check_inside(columns: Columns, scene: Any, t: float) -> None:
     """Raise ConfigError where points lie outside the walls, or below the axis, by more than a spacing."""
     if not scene.bodies:
         return
@@ -247,8 +261,8 @@ def _check_inside(columns, scene, t):
         raise ConfigError(f"the data do not fit between the walls: {text}")
 
 
-def errors_alone(aligned):
-    """Words why nothing but errors can be measured with the points that there are; None where all can."""
+def errors_alone(aligned: Aligned) -> str | None:
+    """Return in words why nothing but errors can be measured with so few points; None if all numbers can."""
     scene, snapshot, count = aligned.scene, aligned.snapshot, aligned.points
     reason = "so that nothing but errors, and no number that needs a slope or a mean, is given"
     if scene.parallel:
@@ -261,8 +275,8 @@ def errors_alone(aligned):
     return None if fills else f"{count} points that do not fill the region evenly, {reason}"
 
 
-def _in_channel(columns, scene, spacing):
-    """Columns and scene of the length that the data have; nothing depends on x, so that it may be made up."""
+def _in_channel(columns: Columns, scene: Any, spacing: float) -> tuple[Columns, Any]:
+    """Return columns and scene with the length of the data; the flow does not depend on x, which may be invented."""
     rows = max(round(scene.gap / spacing), 1)
     spacing = scene.gap / rows
     length = scene.length
@@ -278,8 +292,8 @@ def _in_channel(columns, scene, spacing):
     return columns, replace(scene, length=length, spacing=spacing, rows=rows, columns=round(length / spacing))
 
 
-def _with_spacing(scene, spacing):
-    """The scene with another spacing, and as many rows and columns as fit."""
+def _with_spacing(scene: Any, spacing: float) -> Any:
+    """Return the scene with another spacing, and as many rows and columns as fit."""
     counts = dict(zip(("columns", "rows"), (round(size / spacing) for size in scene.extent), strict=True))
     names = {each.name for each in fields(scene)}
     return replace(scene, spacing=spacing, **{name: number for name, number in counts.items() if name in names})

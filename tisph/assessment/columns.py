@@ -5,12 +5,31 @@ states, or the user says.
 """
 
 import re
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Columns of one time, arrays (points,) by name, in the names, units and axes of the file.
+
+    ``time``: None if the file does not state it; ``label`` may then distinguish frames of a file. ``units`` (name of a
+    column, or ``time`` -> unit): where the file states one. ``notes`` say in words how the file was read.
+    """
+
+    columns: dict[str, np.ndarray]
+    time: float | None = None
+    label: str = ""
+    units: dict[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
 
 SIZES = {
     "length": {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -18,7 +37,7 @@ SIZES = {
     "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "mPa": 1e-3, "bar": 1e5},
 }
-"""Units by name, in those of the SI."""
+"""Base quantity -> name of a unit -> its size in the SI unit."""
 
 POWERS = {
     **{base: {base: 1} for base in ("length", "time", "mass")},
@@ -26,22 +45,22 @@ POWERS = {
     "density": {"mass": 1, "length": -3},
     "pressure": {"mass": 1, "length": -1, "time": -2},
 }
-"""Powers of length, time and mass that a quantity is made of. Stresses are pressures."""
+"""Quantity -> powers of length, time and mass. Stresses are pressures."""
 
 QUANTITIES = {"x": "length", "y": "length", "z": "length", "u": "velocity", "v": "velocity", "w": "velocity"}
 QUANTITIES |= {"r": "length", "u_r": "velocity", "u_theta": "velocity", "density": "density", "time": "time"}
-"""What a column is; all others are pressures."""
+"""Name of a column -> its quantity; columns of other names are pressures."""
 
 SYMBOL = r"([^\W\d_]+)\^?([-+]?\d+)?"
 SIGNS = str.maketrans("²³⁻¹−·⋅×µμ", "23-1-***uu")
-"""A symbol in a unit and its power; signs that are written in several ways."""
+"""Pattern of a symbol in a unit with its power; signs that have several spellings."""
 
 
-def in_config(frame, texts, labels, path):
-    """The frame, with columns by quantity, in the units of the config, which are called ``labels``.
+def in_config(frame: Frame, texts: Sequence[str] | None, labels: Any, path: Path) -> Frame:
+    """Return the frame, with columns by quantity, in the units of the config, whose names are ``labels``.
 
-    ``texts`` such as ``length=cm`` or ``velocity=0.01`` take precedence over units that the file states. A quantity
-    without either is derived from the texts. ConfigError for a quantity or a unit that is not known.
+    ``texts`` such as ``length=cm`` or ``velocity=0.01`` take precedence over units that the file states. The unit of a
+    quantity without either is derived from the texts. ConfigError for an unknown quantity or unit.
     """
     given, factors, notes = {}, {}, []
     for text in texts or ():
@@ -50,13 +69,13 @@ def in_config(frame, texts, labels, path):
             raise ConfigError(f"--unit {text}: must look like length=cm, for one of {', '.join(POWERS)}")
         given[quantity] = _factor(quantity, unit, labels, f"--unit {text}")
     for name in (*frame.columns, "time"):
-        quantity, unit = QUANTITIES.get(name, "pressure"), frame.units.get(name)
+        quantity, stated = QUANTITIES.get(name, "pressure"), frame.units.get(name)
         factors[name] = given.get(quantity, 1.0)
-        if unit and quantity in given:
-            notes.append(f"the file says that {name} is in {unit}, --unit {quantity} was taken")
-        elif unit:
-            factors[name] = _factor(quantity, unit, labels, f"{path}: {name} [{unit}]")
-            notes += [f"{name} is in {unit}, as the file says"] if factors[name] != 1.0 else []
+        if stated and quantity in given:
+            notes.append(f"the file says that {name} is in {stated}, --unit {quantity} was taken")
+        elif stated:
+            factors[name] = _factor(quantity, stated, labels, f"{path}: {name} [{stated}]")
+            notes += [f"{name} is in {stated}, as the file says"] if factors[name] != 1.0 else []
         elif quantity not in given:
             for base, power in POWERS[quantity].items():
                 factors[name] *= given.get(base, 1.0) ** power
@@ -68,8 +87,8 @@ def in_config(frame, texts, labels, path):
     return replace(frame, columns=columns, time=time, notes=(*frame.notes, *notes))
 
 
-def _factor(quantity, unit, labels, where):
-    """One ``unit`` of the data, such as ``mm``, ``kg/m^3`` or a number, in the unit of the config."""
+def _factor(quantity: str, unit: str, labels: Any, where: str) -> float:
+    """Return one ``unit`` of the data, such as ``mm``, ``kg/m^3`` or a number, in the unit of the config."""
     try:
         return float(unit)
     except ValueError:
@@ -87,9 +106,12 @@ def _factor(quantity, unit, labels, where):
     return value
 
 
-def _symbols(labels):
-    """Size in the config's units, and powers, of every symbol; of a quantity with an unknown label that label alone."""
-    found = {}
+def _symbols(labels: Any) -> dict[str, tuple[float, dict[str, int]]]:
+    """Return symbol -> its size in the config's units, and its powers.
+
+    If the config's label of a quantity is unknown, it is the only symbol of this quantity.
+    """
+    found: dict[str, tuple[float, dict[str, int]]] = {}
     for base in ("length", "time", "mass"):
         label = getattr(labels, base)
         sizes = SIZES[base] if label in SIZES[base] else {label: 1.0}
@@ -112,24 +134,24 @@ NAMES |= {
 }
 NAMES |= {"r": "r|radius", "u_r": "[uv]_?r", "u_theta": "[uv]_?(theta|phi)"}
 NAMES |= {f"stress_{pair}": f"stress_{pair}" for pair in ("tt", "xt", "yt")}
-"""Patterns of names of quantities, in small letters and with ``_`` for all that is no letter and no digit."""
+"""Quantity -> pattern of its names, in lower case, with ``_`` for characters other than letters and digits."""
 
 NEEDED = {"y": ("z", "r"), "u": ("u_theta",)}
-"""Quantities that data must have, and others in their place."""
+"""Quantity that data must have -> quantities that may replace it."""
 
 UNIT = re.compile(r"(.+?)\s*(?:\[([^\[\]]*[^\W\d_][^\[\]]*)\]|\((.*[^\W\d_].*)\))")
-"""A name and its unit, ``y [m]`` or ``u (m/s)``."""
+"""Pattern of a name with its unit, ``y [m]`` or ``u (m/s)``."""
 
 FLAT = 1e-6
-"""Part of the size of the data below which a coordinate does not vary: round-off of single precision."""
+"""Variation of a coordinate, over the size of the data, that counts as none: round-off of single precision."""
 
 
 REPEATED = 0.01
-"""Part of the largest velocity by which velocities at one place differ where they are of several times."""
+"""Difference of velocities at one place, over the largest velocity, above which they belong to several times."""
 
 
-def parsed(texts, path="--columns"):
-    """Map of quantities to names of columns from texts such as ``x=1,y=2,u=3``; ConfigError for any other."""
+def parsed(texts: Sequence[str], path: str = "--columns") -> dict[str, str]:
+    """Return quantity -> name of its column, from texts such as ``x=1,y=2,u=3``; ConfigError for other texts."""
     chosen = {}
     for part in ",".join(texts).split(",") if texts else ():
         quantity, equals, name = (piece.strip() for piece in part.partition("="))
@@ -140,10 +162,11 @@ def parsed(texts, path="--columns"):
     return chosen
 
 
-def by_quantity(frame, chosen, path):
-    """The frame with columns (points,) and units by quantity; ``chosen`` are names, or numbers from 1, of columns.
+def by_quantity(frame: Frame, chosen: dict[str, str], path: Path) -> Frame:
+    """Return the frame with columns (points,) and units by quantity.
 
-    Without it columns are recognised by their names. ConfigError where a chosen or a needed one is missing.
+    ``chosen``: quantity -> name, or number from 1, of its column. Other columns are recognised by their names.
+    ConfigError if a chosen or a needed column is missing.
     """
     stated = {column: UNIT.fullmatch(column) for column in frame.columns}
     names = {column: match[1] if match else column for column, match in stated.items()}
@@ -164,8 +187,8 @@ def by_quantity(frame, chosen, path):
     return replace(frame, columns={quantity: frame.columns[column] for quantity, column in found.items()}, units=units)
 
 
-def recognised(quantity, names):
-    """The column that is called like a quantity, None without one; ``names`` are the columns' without their units."""
+def recognised(quantity: str, names: dict[str, str]) -> str | None:
+    """Return the column whose name fits a quantity, else None; ``names``: column -> its name without its unit."""
     plain = {
         column: re.sub("[^a-z0-9]+", "_", name.lower()).strip("_") for column, name in names.items() if name != "T"
     }
@@ -174,14 +197,14 @@ def recognised(quantity, names):
         end = f"_[{'ijk'[index]}{index if counted else ''}]$"
         plain = {column: re.sub(end, f"_{axis}", name) for column, name in plain.items()}
     found = [column for column, name in plain.items() if re.fullmatch(NAMES[quantity], name)]
-    # PySPH's V is not its v, and the shortest name is that of the quantity alone
+    # PySPH's V is not its v; longer names add something to the name of the quantity
     return min(found, key=lambda column: (names[column] != quantity, len(names[column])), default=None)
 
 
-def in_plane(frame, chosen):
-    """The frame, by quantity, with its plane as x and y: it has neither extent nor velocity along the axis left out.
+def in_plane(frame: Frame, chosen: dict[str, str]) -> Frame:
+    """Return the frame, by quantity, with its plane as x and y: the third axis has neither extent nor velocity.
 
-    A velocity along z may be that around the axis of an axisymmetric flow.
+    A velocity along z may be the velocity around the axis of an axisymmetric flow.
     """
     columns, nothing = frame.columns, np.zeros(len(next(iter(frame.columns.values()))))
     table = np.stack([columns.get(name, nothing) for name in "xyzuvw"])
@@ -203,8 +226,8 @@ def in_plane(frame, chosen):
     return replace(frame, columns=columns, units=units, notes=(*frame.notes, note))
 
 
-def by_time(frame, path):
-    """Frames for every value of the column of times, or of steps where there are no times."""
+def by_time(frame: Frame, path: Path) -> list[Frame]:
+    """Return a frame for every value in the column of times, or of steps if there are no times."""
     columns = {name: column for name, column in frame.columns.items() if name not in ("time", "step")}
     key = next((name for name in ("time", "step") if name in frame.columns), None)
     if key is None and {"y", "u"} <= columns.keys():
@@ -229,7 +252,7 @@ def by_time(frame, path):
     return found
 
 
-def shown(names):
-    """The first twelve names in words."""
+def shown(names: Iterable[str]) -> str:
+    """Return the first twelve names in words."""
     names = list(names)
     return ", ".join(names[:12]) + (f" and {len(names) - 12} more" if len(names) > 12 else "")

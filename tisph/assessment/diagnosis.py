@@ -1,42 +1,48 @@
-"""Where an error is, and which fault explains it.
+"""Place of an error, and the faults that explain it.
 
-A fault is the exact flow of a changed scene with one parameter: which value of the parameter makes the exact flow come
-closest to the data, and how close? ``flow(scene, value)`` is the exact flow with the fault, a function of (field, x, y,
-t). Each fault is fitted to the data, and named only if hardly any error remains. Faults that explain it equally well
-cannot be told apart by these data, and are all named: more times may tell.
+A fault is the exact flow of a changed scene with one parameter. ``flow(scene, value)`` returns this flow, a function of
+(field, x, y, t). The parameter of each fault is fitted to the data, and the fault is named only if hardly any error
+remains. Faults that explain the error equally well cannot be distinguished by these data, and are all named; data of
+more times may distinguish them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from tisph.assessment.alignment import Aligned
 from tisph.assessment.columns import SIZES
 from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import root_mean_square, velocities
+from tisph.snapshot import Snapshot
+
+Flow = Callable[..., np.ndarray]
+"""Velocities of an exact flow: a function of (field, x, y, t)."""
 
 HALF = 0.1
-"""Spacings within which a distance is called half a spacing."""
+"""Largest difference [spacings] of a distance from 1/2 that is called half a spacing."""
 
 EXPONENT = 38.5
 """exp(-EXPONENT) is below the round-off of 1."""
 
 FEWEST_SINES, MOST_SINES = 1000, 4000
-"""Terms of the series for a polymer, whose tail falls with their third power; and for any fluid at early times."""
+"""Terms of the series: at least for a polymer, whose terms fall with the third power of n; at most at early times."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A fault by ``name`` with a parameter between ``low`` and ``high``, 0 without the fault.
+    """A fault ``name`` with a parameter between ``low`` and ``high``, which is 0 without the fault.
 
-    ``least``: below it the parameter means nothing, any discretisation has such an error. ``guesses`` are where the fit
-    starts; none where the velocities are ``linear`` in the parameter. With ``choices`` it has only these values.
-    ``words(value)`` says what the fitted value means.
+    ``least``: smaller values mean nothing, since every discretisation has such an error. ``guesses``: starts of the
+    fit, not needed if the velocities are ``linear`` in the parameter. ``choices``: the only values of the parameter, if
+    given. ``words(value)`` returns the fault in words.
     """
 
     name: str
-    flow: Callable
-    words: Callable
+    flow: Callable[[Any, float], Flow]
+    words: Callable[[float], str]
     low: float = -np.inf
     high: float = np.inf
     least: float = 0.0
@@ -45,8 +51,8 @@ class Fault:
     choices: tuple[float, ...] = ()
 
 
-def faults(scene, times):
-    """All faults that can be asked of a ``scene`` at ``times``: a plain factor first."""
+def faults(scene: Any, times: Sequence[float]) -> list[Fault]:
+    """Return all faults that apply to a ``scene`` at ``times``; a factor of the velocities comes first."""
     found = [*_factors(scene.units), *_origin(scene)]
     if scene.parallel and not scene.superposes:
         return found
@@ -56,20 +62,23 @@ def faults(scene, times):
     return found
 
 
-def exact(scene):
-    """``scene.exact`` of the velocities at one time; by a series where that holds, which costs next to nothing."""
+def exact(scene: Any) -> Flow:
+    """Return the exact velocities at one time: a series between walls of constant velocities, else ``scene.exact``.
+
+    The series costs far less than ``scene.exact``.
+    """
     walls = (scene.bottom, scene.top) if scene.parallel and scene.superposes else ()
     if not walls or any(wall.oscillates or wall.jump_times for wall in walls):
         return scene.exact
     return lambda field, x, y, t: _series(scene, np.asarray(y, dtype=float), t)
 
 
-def _series(scene, y, t):
-    """Velocity of a Newtonian or Oldroyd-B fluid between walls whose velocities U0, U1 are constant from t = 0 on.
+def _series(scene: Any, y: np.ndarray, t: float) -> np.ndarray:
+    """Return the velocity of a Newtonian or Oldroyd-B fluid between walls of velocities U0, U1, constant after t = 0.
 
-    The developed flow is U0 (1 - y/H) + U1 y/H + g y (H - y)/(2 nu). The difference from it is the sum of
-    a_n(t) sin(k y), k = n pi/H, that of the gradient of the polymer's stress the sum of b_n(t) sin(k y). With the
-    solvent fraction s and x = (a_n, b_n):
+    The developed flow is U0 (1 - y/H) + U1 y/H + g y (H - y)/(2 nu). The velocity differs from it by the sum of
+    a_n(t) sin(k y), k = n pi/H; the gradient of the polymer stress differs from its developed value by the sum of
+    b_n(t) sin(k y). With the solvent fraction s and x = (a_n, b_n):
 
         dx/dt = A x,    A = [[-s nu k^2, 1], [-(1 - s) nu k^2 / relaxation_time, -1 / relaxation_time]]
     """
@@ -95,26 +104,28 @@ def _series(scene, y, t):
     return developed + (np.sin(np.pi / gap * heights[:, None] * n) @ amplitude)[index]
 
 
-def _linear(name, towards, words, low=-np.inf, high=np.inf):
-    """Fault of the flow that is 1 - value times the exact one, and value times the flow ``towards(scene)``."""
+def _linear(
+    name: str, towards: Callable[[Any], Flow], words: Callable[[float], str], low: float = -np.inf, high: float = np.inf
+) -> Fault:
+    """Return the fault with the flow (1 - value) * exact flow + value * flow ``towards(scene)``."""
 
-    def flow(scene, value):
+    def flow(scene: Any, value: float) -> Flow:
         own, other = exact(scene), towards(scene)
         return lambda *at: (1 - value) * own(*at) + value * other(*at)
 
     return Fault(name, flow, words, low, high, 0.002, linear=True)
 
 
-def _factors(units):
-    """Velocities that are a factor times those of the config; one of their sign, or of a unit of length, by name."""
+def _factors(units: Any) -> Iterator[Fault]:
+    """Yield the faults of velocities with a factor: any factor, the wrong sign, or another unit of length."""
 
-    def twice(scene):
+    def twice(scene: Any) -> Flow:
         return lambda *at: 2 * exact(scene)(*at)
 
-    def times(value):
+    def times(value: float) -> str:
         return f"the velocities are {1 + value:.4g} times those of the config"
 
-    def unit(value):
+    def unit(value: float) -> str:
         return f"{times(value)}: they are in {names[value]}/{units.time}, --unit velocity={names[value]}/{units.time}"
 
     plain = _linear("factor", twice, times)
@@ -126,42 +137,45 @@ def _factors(units):
         yield replace(plain, name="unit", words=unit, choices=tuple(names))
 
 
-def _origin(scene):
-    """Another origin of vortices in a periodic box, quarters of a period away; half a period along both is the same."""
+def _origin(scene: Any) -> Iterator[Fault]:
+    """Yield the fault of vortices in a periodic box with another origin, some quarters of a period away.
+
+    Origins half a period away along both axes are the same.
+    """
     if scene.periodic != (True, True):
         return
     quarter, places = 0.25 * scene.reference_length, [(i, j) for j in (0, 1) for i in range(4)]
 
-    def flow(scene, value):
+    def flow(scene: Any, value: float) -> Flow:
         right, up = quarter * np.array(places[int(value)])
         return lambda field, x, y, t: scene.exact(field, x - right, y - up, t)
 
-    def words(value):
+    def words(value: float) -> str:
         right, up = quarter * np.array(places[int(value)])
         return f"the vortices have another phase: --origin {right:g},{up:g}, quarters of a period from the one taken"
 
     yield Fault("origin", flow, words, choices=tuple(range(1, len(places))))
 
 
-def _drive(scene):
-    """Another acceleration of the fluid."""
+def _drive(scene: Any) -> Iterator[Fault]:
+    """Yield the fault of another body acceleration."""
 
-    def twice(scene):
+    def twice(scene: Any) -> Flow:
         return exact(replace(scene, acceleration=2 * scene.acceleration))
 
     if scene.acceleration:
         yield _linear("drive", twice, lambda value: f"the drive is {1 + value:.4g} times that of the config")
 
 
-def _viscosity(scene):
-    """Another viscosity: outside a channel of Newtonian fluids only, whose flows are quickly solved."""
+def _viscosity(scene: Any) -> Iterator[Fault]:
+    """Yield the fault of another viscosity; outside a channel only for Newtonian fluids, whose flow is solved fast."""
     if not (scene.parallel or scene.rheology is None):
         return
 
-    def flow(scene, value):
+    def flow(scene: Any, value: float) -> Flow:
         return exact(replace(scene, kinematic_viscosity=scene.kinematic_viscosity * np.exp(value)))
 
-    def words(value):
+    def words(value: float) -> str:
         text = f"the viscosity is {np.exp(value):.4g} times that of the config"
         same = f", or the gap {np.exp(-0.5 * value):.4g} times as wide, with heights scaled by it"
         return text + same * scene.parallel
@@ -170,13 +184,13 @@ def _viscosity(scene):
     yield Fault("viscosity", flow, words, np.log(0.02), np.log(50.0), 0.005, (-0.7, 0.01, 0.7, *far))
 
 
-def _time(scene, times):
+def _time(scene: Any, times: Sequence[float]) -> Fault:
     earliest, latest = min(times), max(times)
 
-    def flow(scene, value):
+    def flow(scene: Any, value: float) -> Flow:
         return lambda field, x, y, t: exact(scene)(field, x, y, t + value)
 
-    def words(value):
+    def words(value: float) -> str:
         way = "later" if value > 0 else "earlier"
         return f"the clock is off: the data are of {abs(value):.4g} {scene.units.time} {way} than stated"
 
@@ -184,7 +198,7 @@ def _time(scene, times):
     return Fault("time", flow, words, min(low, -1e-9), 5 * latest, 0.005 * latest, (0.5 * low, 0.01 * latest, latest))
 
 
-def _displaced_walls(scene):
+def _displaced_walls(scene: Any) -> list[Fault]:
     limit = 0.2 * scene.gap / scene.spacing
     sides = {
         "walls": ((1, 1), "both walls act"),
@@ -195,15 +209,15 @@ def _displaced_walls(scene):
     return [_displaced(scene, name, *side, limit) for name, side in sides.items()]
 
 
-def _displaced(scene, name, outward, subject, limit):
-    """Walls displaced by ``outward`` times the parameter, in spacings."""
+def _displaced(scene: Any, name: str, outward: tuple[int, int], subject: str, limit: float) -> Fault:
+    """Return the fault of walls displaced by ``outward`` (bottom, top) times the parameter, in spacings."""
 
-    def flow(scene, value):
+    def flow(scene: Any, value: float) -> Flow:
         below, above = (side * value * scene.spacing for side in outward)
         wider = replace(scene, gap=scene.gap + below + above)
         return lambda field, x, y, t: exact(wider)(field, x, np.clip(y + below, 0.0, wider.gap), t)
 
-    def words(value):
+    def words(value: float) -> str:
         size = "half a spacing" if abs(abs(value) - 0.5) < HALF else f"{abs(value):.3g} spacings"
         fitted = f"{abs(value):.3g} spacings, {abs(value) * scene.spacing:.4g} {scene.units.length}"
         if name == "shift":
@@ -215,13 +229,13 @@ def _displaced(scene, name, outward, subject, limit):
     return Fault(name, flow, words, -limit, limit, 0.1, (-0.5, 0.5))
 
 
-def _slip(scene):
-    """The fluid at moving walls is slower than they are by a part of their velocity."""
+def _slip(scene: Any) -> Iterator[Fault]:
+    """Yield the fault of slip: the fluid at a moving wall is slower than the wall by a fraction of its velocity."""
 
-    def at_rest(scene):
+    def at_rest(scene: Any) -> Flow:
         return exact(replace(scene, bottom=scene.bottom.scaled(0.0), top=scene.top.scaled(0.0)))
 
-    def words(value):
+    def words(value: float) -> str:
         if value < 0:
             return f"the walls move {-100 * value:.3g} % faster than the config says"
         return f"the fluid slips: at a moving wall it has {100 * (1 - value):.4g} % of the wall's velocity"
@@ -230,18 +244,18 @@ def _slip(scene):
         yield _linear("slip", at_rest, words, -1.0, 1.0)
 
 
-def _start(scene, times):
-    """The start was not at rest, or not the developed flow: superpositions, so of fluids with linear laws only."""
+def _start(scene: Any, times: Sequence[float]) -> Iterator[Fault]:
+    """Yield the faults of another start, at rest or developed: superpositions, which hold for linear fluids only."""
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
     scheduled = any(wall.jump_times for _, wall in scene.walls)  # nothing has developed before
     if stops or swings or scheduled or scene.start_time:
         return
 
-    def other(scene):
+    def other(scene: Any) -> Flow:
         return exact(replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0))
 
-    def words(value):
+    def words(value: float) -> str:
         if scene.starts_developed:
             return f"the start was not the developed flow, but {100 * (1 - value):.4g} % of it"
         return f"the start was not at rest, but with {100 * value:.4g} % of the developed flow"
@@ -251,32 +265,35 @@ def _start(scene, times):
         yield _linear("uniform_start", _dragged, lambda value: _uniform(scene, value), -2.0, 2.0)
 
 
-def _dragged(scene):
-    """The flow, and the remainder of the reference velocity: that of the frame in which both walls start."""
+def _dragged(scene: Any) -> Flow:
+    """Return the flow from a start with the reference velocity U: the exact flow plus U times (1 - u1).
+
+    u1 is the flow from rest between walls of velocity 1.
+    """
     dragged = exact(replace(scene, top=WallMotion(1.0), bottom=WallMotion(1.0), acceleration=0.0))
     return lambda *at: exact(scene)(*at) + scene.reference_velocity * (1 - dragged(*at))
 
 
-def _uniform(scene, value):
+def _uniform(scene: Any, value: float) -> str:
     speed = value * scene.reference_velocity
     return f"the start was not at rest, but with a uniform velocity of {speed:.4g} ({100 * value:.4g} % of U)"
 
 
 STANDS_OUT = 2.0
-"""A third of the channel has the error where its root mean square is that many times those of the others."""
+"""The error is in one third of the channel if its root mean square there is this many times the values elsewhere."""
 
 TOO_SMALL = 1e-8
-"""Root mean square error over U below which there is nothing to explain: numerical references are exact to that."""
+"""Root mean square error over U that needs no explanation: numerical references have an error of this size."""
 
 CHANGES = 1.1
-"""An error grows or falls where it changes by that factor from the first time to the last."""
+"""An error grows or falls if it changes by more than this factor from the first time to the last."""
 
 
-def error_location(scene, snapshot):
-    """Words and numbers of the place of the error of one sample.
+def error_location(scene: Any, snapshot: Snapshot) -> dict[str, Any]:
+    """Return the place of the error of one sample, in numbers and in ``words``.
 
-    Between plane walls ``thirds``: root mean square errors over U near the bottom wall, in the middle, near the top
-    wall; everywhere ``largest``: the place (x, y) of the largest one.
+    ``largest``: the place (x, y) of the largest error, ``largest_error`` over U; between plane walls also ``thirds``:
+    root mean square errors over U near the bottom wall, in the middle, and near the top wall.
     """
     values, exact = velocities(scene, snapshot)
     size = np.sqrt(np.square(values - exact).sum(axis=0)) / scene.reference_velocity
@@ -292,7 +309,7 @@ def error_location(scene, snapshot):
     return found
 
 
-def _thirds(height, size):
+def _thirds(height: np.ndarray, size: np.ndarray) -> dict[str, float]:
     part = np.clip((3 * height).astype(int), 0, 2)
     return {
         name: root_mean_square(size[part == index]) if (part == index).any() else 0.0
@@ -300,8 +317,8 @@ def _thirds(height, size):
     }
 
 
-def _side(thirds):
-    ranked = sorted(thirds, key=thirds.get, reverse=True)
+def _side(thirds: dict[str, float]) -> str:
+    ranked = sorted(thirds, key=lambda name: thirds[name], reverse=True)
     places = {"bottom": "near the bottom wall", "middle": "in the middle", "top": "near the top wall"}
     if thirds[ranked[0]] >= STANDS_OUT * thirds[ranked[1]]:
         return places[ranked[0]]
@@ -310,7 +327,7 @@ def _side(thirds):
     return "all across the channel"
 
 
-def _largest(scene, y, excess):
+def _largest(scene: Any, y: float, excess: float) -> str:
     below = y < 0.5 * scene.gap
     distance = abs(y if below else scene.gap - y) / scene.spacing
     name = "bottom" if below else "top"
@@ -318,10 +335,10 @@ def _largest(scene, y, excess):
     return f"largest {distance:.3g} spacings from the {name} wall (y = {y:.4g}), where u is {way} the exact one"
 
 
-def trend(samples):
-    """Words on how the root mean square error changes in time; empty with one time only.
+def trend(samples: Sequence[tuple[float, float]]) -> str:
+    """Return in words how the root mean square error changes in time; empty with one time only.
 
-    ``samples`` are pairs (t, rms) in the order of time.
+    ``samples``: pairs (t, rms) in the order of time.
     """
     if len(samples) < 2 or min(rms or 0.0 for _, rms in samples) < TOO_SMALL:
         return ""
@@ -336,23 +353,23 @@ def trend(samples):
 
 
 EXPLAINS = 0.3
-"""A fault explains an error of which no more than that part remains with it: a tenth of its square."""
+"""A fault explains an error if no more than this fraction of it remains: a tenth of its square."""
 
 EQUAL, EQUAL_UNIT = 1.05, 2**0.5
-"""Faults are told apart where one leaves that many times as much as the best; a unit where its factor, in place of the
-best one, makes as much error as remains anyway."""
+"""Ratio of the remaining errors of a fault and of the best one, above which the two are distinguished. It is larger for
+a unit, whose given factor may add as much error as remains with the best factor."""
 
 LEFT = 0.1
-"""Part of the size of the velocities that may remain: more is no error of a discretisation, but another fault."""
+"""Largest remaining error over the size of the velocities: a larger one is no error of a discretisation."""
 
 STEPS, HALVINGS = 30, 10
 """Steps of a fit, and halvings of one that does not lower the error."""
 
 AT_AN_END = 1e-3
-"""Part of the range of a parameter next to its ends, where a fit has run against them."""
+"""Distance from an end of a parameter's range, over the range, at which the fit has run against this end."""
 
 MOST_POINTS = 300
-"""Points of a sample that a fit looks at, evenly chosen."""
+"""Largest number of points of a sample in a fit, evenly chosen."""
 
 
 @dataclass(frozen=True)
@@ -364,8 +381,8 @@ class Finding:
     remain: float
 
     @property
-    def significant(self):
-        """Whether the parameter is larger than that of any discretisation, and not as large as it may be."""
+    def significant(self) -> bool:
+        """Whether the parameter is too large for an error of a discretisation, and not at an end of its range."""
         fault = self.fault
         if fault.choices or not np.isfinite(fault.high - fault.low):
             return abs(self.value) >= fault.least
@@ -373,22 +390,22 @@ class Finding:
         return abs(self.value) >= fault.least and not at_an_end
 
     @property
-    def words(self):
-        """What it says."""
+    def words(self) -> str:
+        """The fault in words."""
         return self.fault.words(self.value)
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The ``error`` of the data, root mean square over U, the faults that explain it, best first, and all fits."""
+    """The ``error`` of the data, root mean square over U, the faults that explain it, and all fits, best first."""
 
     error: float
     explaining: list[Finding]
     fits: list[Finding]
 
 
-def diagnose(aligned):
-    """``Diagnosis`` of samples of one run, ``Aligned`` each; their faults are fitted to all of them at once."""
+def diagnose(aligned: Sequence[Aligned]) -> Diagnosis:
+    """Return the ``Diagnosis`` of the samples of one run; each fault is fitted to all of them at once."""
     scene = aligned[0].scene
     samples = [_chosen(each.scene, each.snapshot) for each in aligned]
     errors = np.concatenate([(u - exact).ravel() for _, u, exact in samples])
@@ -401,13 +418,13 @@ def diagnose(aligned):
     most = min(EXPLAINS * error, LEFT * size)
     equal = {each: (EQUAL_UNIT if each.fault.name == "unit" else EQUAL) * fits[0].remain + TOO_SMALL for each in fits}
     explaining = [each for each in fits if each.remain <= min(most, equal[each]) and each.significant]
-    if any(each.fault.name in ("unit", "sign") for each in explaining):  # which say more than their factor
+    if any(each.fault.name in ("unit", "sign") for each in explaining):  # they say more than a factor does
         explaining = [each for each in explaining if each.fault.name != "factor"]
-    explaining.sort(key=lambda each: each.fault.name != "factor")  # the plainest of those that cannot be told apart
+    explaining.sort(key=lambda each: each.fault.name != "factor")  # the simplest explanation first
     return Diagnosis(error, explaining, fits)
 
 
-def _chosen(scene, snapshot):
+def _chosen(scene: Any, snapshot: Snapshot) -> tuple[tuple, np.ndarray, np.ndarray]:
     """Return positions and time (x, y, t), velocities and exact ones (fields, points) of some points of a sample."""
     values, exact = velocities(scene, snapshot)
     order = np.argsort(snapshot.y, kind="stable")
@@ -417,11 +434,11 @@ def _chosen(scene, snapshot):
     return at, values[:, index], exact[:, index]
 
 
-def _fitted(fault, scene, samples):
-    """``Finding`` with the parameter that leaves the smallest error, from the best of the guesses."""
+def _fitted(fault: Fault, scene: Any, samples: Sequence[Any]) -> Finding:
+    """Return the ``Finding`` with the parameter of the smallest error; fits start at the two best guesses."""
     names = [name for name in ("u", "v", "w") if name in scene.fields]
 
-    def residuals(value):
+    def residuals(value: float) -> np.ndarray:
         flow = fault.flow(scene, float(value))
         parts = [
             u - np.array([np.broadcast_to(flow(name, *at), at[1].shape) for name in names]) for at, u, _ in samples
@@ -442,7 +459,7 @@ def _fitted(fault, scene, samples):
     return Finding(fault, best, root_mean_square(residuals(best)))
 
 
-def _nearest_minimum(residuals, value, fault):
+def _nearest_minimum(residuals: Callable[[float], np.ndarray], value: float, fault: Fault) -> tuple[float, float]:
     """Return the parameter near ``value`` of the least sum of squares, and the sum: Gauss-Newton, steps halved."""
     now = residuals(value)
     for _ in range(STEPS):

@@ -1,15 +1,16 @@
 """Readers of other codes' files: each returns the particles, or points, of every time as ``Frame`` objects.
 
-NumPy's archives, also PySPH's with its particles as Python objects. HDF5: tisph's own samples, PySPH's output, and any
-file whose arrays lie together in one group. JSON: lists by name, {"x": [...], "u": [...]}, a list of these, or a list
-of points, [{"x": 0.1, "u": 0.2}, ...]. LAMMPS' dumps as text (``dump custom``, ``write_dump``) and profiles (``fix
-ave/chunk``), a frame a time step; where a dump has atoms of several types, walls may be among them: the types of the
-fluid must be said. Tables as text: columns separated by semicolons, tabs, commas or blanks, with or without a header; a
-comma is a decimal point where it does not separate the columns, and ``D`` may begin an exponent, as Fortran writes it.
-VTK's files (legacy, XML and HDF5), by VTK itself: points or cell centres, and their data; collections of files.
-Extended XYZ: a frame a time, with its columns and its time in the second line (of libAtoms, as ASE and OVITO).
+- NumPy's archives, also PySPH's with its particles as Python objects.
+- HDF5: tisph's own samples, PySPH's output, and any file whose arrays are in one group.
+- JSON: lists by name, {"x": [...], "u": [...]}, a list of these, or a list of points, [{"x": 0.1, "u": 0.2}, ...].
+- LAMMPS: dumps as text (``dump custom``, ``write_dump``) and profiles (``fix ave/chunk``), a frame for each time step.
+  If a dump has atoms of several types, some may be walls: the user must name the types of the fluid.
+- Tables as text: columns separated by semicolons, tabs, commas or blanks, with or without a header. A comma that does
+  not separate columns is a decimal point, and ``D`` may begin an exponent, as in Fortran.
+- VTK's files (legacy, XML and HDF5), read by VTK itself: points or cell centres, and their data; collections of files.
+- Extended XYZ (libAtoms, ASE, OVITO): a frame for each time, with its columns and its time in the second line.
 
-``select`` names the group of particles to read, where a format has groups; None leaves the choice to the reader.
+``select`` names the group of particles to read, if a format has groups; None leaves the choice to the reader.
 """
 
 import csv
@@ -19,35 +20,25 @@ import pickle
 import re
 import zipfile
 import zlib
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import h5py
 import numpy as np
 from numpy.lib import format as npy
 
-from tisph.assessment.columns import SIZES, SYMBOL, recognised
+from tisph.assessment.columns import SIZES, SYMBOL, Frame, recognised
 from tisph.errors import ConfigError
 
 
-@dataclass(frozen=True)
-class Frame:
-    """Columns of one time by name, arrays (points,), as the file has them: its names, units and axes.
+def decoded(path: Path) -> str:
+    """Return the text of a file in UTF-16 with a byte-order mark, in UTF-8 or in Windows' cp1252.
 
-    ``time`` is None where the file does not say it; ``label`` may tell such frames of a file apart. ``units`` has the
-    unit of a column, or of ``time``, where the file states one. ``notes`` say in words how it was read.
+    UnicodeDecodeError if it is in none of these encodings.
     """
-
-    columns: dict[str, np.ndarray]
-    time: float | None = None
-    label: str = ""
-    units: dict[str, str] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-
-
-def decoded(path):
-    """Text of a file in UTF-16 with a byte-order mark, in UTF-8 or in Windows' cp1252; UnicodeDecodeError for none."""
     content = path.read_bytes()
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         return content.decode("utf-16")
@@ -57,20 +48,20 @@ def decoded(path):
         return content.decode("cp1252")
 
 
-def time_of(entries):
-    """The entry of a mapping that is called ``t``, ``time``, ``TIME`` or ``TimeValue``; None without one."""
+def time_of(entries: Mapping[str, Any]) -> Any:
+    """Return the entry ``t``, ``time``, ``TIME`` or ``TimeValue`` of a mapping; None without such an entry."""
     return next((entries[name] for name in entries if name == "t" or name.lower() in ("time", "timevalue")), None)
 
 
-def split(arrays, path):
-    """Frames of named arrays (points,), (points, components), (times, points) or (times, points, components).
+def split(arrays: Mapping[str, Any], path: Path) -> list[Frame]:
+    """Return the frames of arrays (points,), (points, components), (times, points) or (times, points, components).
 
-    Raises ConfigError where it is not clear which index is the time.
+    ``arrays``: by name. Raises ConfigError where it is not clear which index is the time.
     """
     arrays = {name: array for name, each in arrays.items() if (array := np.asarray(each)).dtype.kind in "fiub"}
     times = np.ravel([] if (found := time_of(arrays)) is None else found)
     one = {len(each) for each in arrays.values() if each.ndim == 1 or (each.ndim == 2 and each.shape[1] <= 3)}
-    one -= {len(times)}  # numbers of points in arrays without a time; arrays as long as these have none either
+    one -= {len(times)}  # numbers of points of arrays without a time index; arrays of this length have none either
     many = {name: each for name, each in arrays.items() if each.ndim > 1 and each.shape[1] > 3 and len(each) not in one}
     if not many and (len(times) < 2 or not one):
         return [Frame(flat(arrays), float(times[0]) if len(times) == 1 else None)]
@@ -83,10 +74,10 @@ def split(arrays, path):
     return [Frame(*each) for each in zip(found, times.tolist() or [None] * count, strict=True)]
 
 
-def flat(arrays):
-    """Columns (points,) of named ``arrays``: one of shape (points, k) becomes ``name_x``, ``name_y``, ``name_z``.
+def flat(arrays: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return columns (points,) of named ``arrays``; an array (points, k) becomes ``name_x``, ``name_y``, ``name_z``.
 
-    Only numbers, and only arrays as long as the longest: others are no quantity of the points.
+    Arrays without numbers, or shorter than the longest one, are no quantities of the points and are left out.
     """
     columns = {}
     for name, array in arrays.items():
@@ -101,16 +92,16 @@ def flat(arrays):
     return {name: column for name, column in columns.items() if len(column) == longest}
 
 
-def pysph_frame(particles, time, select, path):
-    """The frame of PySPH's own output, version 2: of its groups of ``particles`` by name."""
+def pysph_frame(particles: Mapping[str, Any], time: Any, select: str | None, path: Path) -> Frame:
+    """Return the frame of PySPH's own output, version 2; ``particles``: its groups by name."""
     group = chosen_group(particles, select, path)
     return Frame(flat(particles[group]["arrays"]), None if time is None else float(time))
 
 
-def chosen_group(groups, wanted, path):
-    """Name of the group of particles: the ``wanted`` one, else ``fluid`` or the like, else the only one.
+def chosen_group(groups: Collection[str], wanted: str | None, path: Path) -> str:
+    """Return the name of the group to read: ``wanted``, else ``fluid``, ``liquid`` or ``water``, else the only one.
 
-    ``groups`` are their names. Raises ConfigError where that leaves a choice.
+    ``groups``: names. Raises ConfigError where that leaves a choice.
     """
     if wanted:
         if wanted not in groups:
@@ -133,18 +124,18 @@ _HARMLESS = {
     )
     for name in names
 }
-"""What an array, a number or a text is made of in a pickle: nothing that could run a program of the file's choice."""
+"""Names in the pickle of an array, a number or a text; none of them can run a program that the file chooses."""
 
 
 class _Unpickler(pickle.Unpickler):
-    def find_class(self, module, name):
+    def find_class(self, module: str, name: str) -> Any:
         if (module, name) not in _HARMLESS:
             raise pickle.UnpicklingError(f"{module}.{name} is not read")
         return super().find_class(module, name)
 
 
-def read_arrays(path, select=None):
-    """Frames of the arrays, as ``split`` has them."""
+def read_arrays(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of a NumPy archive."""
     with zipfile.ZipFile(path) as archive:
         arrays = {name.removesuffix(".npy"): _array(archive.read(name), path) for name in archive.namelist()}
     if "particles" in arrays and isinstance(arrays["particles"], dict):
@@ -152,7 +143,7 @@ def read_arrays(path, select=None):
     return split(arrays, path)
 
 
-def _array(content, path):
+def _array(content: bytes, path: Path) -> Any:
     stream = io.BytesIO(content)
     version = npy.read_magic(stream)
     _, _, kind = npy.read_array_header_1_0(stream) if version == (1, 0) else npy.read_array_header_2_0(stream)
@@ -165,8 +156,8 @@ def _array(content, path):
     return found.item() if found.ndim == 0 else found
 
 
-def read_hdf5(path, select=None):
-    """Frames in the order of their names; a group with an attribute ``t`` or ``time`` is one time."""
+def read_hdf5(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of an HDF5 file in the order of names; a group with attribute ``t`` or ``time`` is a frame."""
     try:
         with h5py.File(path, "r") as file:
             if "particles" in file and "solver_data" in file:
@@ -176,8 +167,8 @@ def read_hdf5(path, select=None):
         raise ConfigError(f"{path}: is no HDF5 file, or damaged: {error}") from None
 
 
-def _groups(file, select, path):
-    """Frames of every group that holds arrays; one time each, or particles of several kinds."""
+def _groups(file: h5py.File, select: str | None, path: Path) -> list[Frame]:
+    """Return the frames of all groups with arrays: each group is one time, or one kind of particles."""
     items, groups = {"": file}, {}
     file.visititems(lambda name, item: items.update({name: item}))
     for name, item in items.items():
@@ -193,8 +184,8 @@ def _groups(file, select, path):
     return [frame for arrays in groups.values() for frame in split(arrays, path)]
 
 
-def read_json(path, select=None):
-    """Frames of the lists, as ``split`` has them; of a list of sets of lists those of each set."""
+def read_json(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of lists by name, of a list of such maps, or of a list of points."""
     try:
         data = json.loads(decoded(path))
         if isinstance(data, list) and not any(isinstance(value, list) for value in data[0].values()):
@@ -209,10 +200,10 @@ LAMMPS_ITEM = "ITEM: "
 LAMMPS_CHUNKS = "# Chunk-averaged data"
 
 
-def read_lammps(path, select=None):
-    """Frames in the order of the file; times where a dump has them (``dump_modify ... time yes``).
+def read_lammps(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of a LAMMPS dump or profile in the order of the file.
 
-    ``select`` are the types of the fluid, such as ``1`` or ``1,2``.
+    A dump has times after ``dump_modify ... time yes``. ``select``: types of the fluid, such as ``1`` or ``1,2``.
     """
     lines = decoded(path).splitlines()
     if lines and lines[0].startswith(LAMMPS_CHUNKS):
@@ -226,10 +217,10 @@ def read_lammps(path, select=None):
     return [_dump(lines[start:end], path, select) for start, end in zip(starts, ends, strict=True)]
 
 
-def _profiles(lines, path):
-    """Frames of the chunks that hold atoms, from blocks "step, number of chunks, number of atoms" and their rows.
+def _profiles(lines: list[str], path: Path) -> list[Frame]:
+    """Return a frame for each block "step, number of chunks, number of atoms", from its chunks that contain atoms.
 
-    Chunks along one axis only are along y, whatever its name in LAMMPS is: the file does not say it.
+    The file does not name the axis of chunks along one axis: it is taken to be y.
     """
     rows, frames = [line.split() for line in lines if not line.startswith("#")], []
     try:
@@ -246,12 +237,12 @@ def _profiles(lines, path):
     return frames
 
 
-def _dump(lines, path, select):
+def _dump(lines: list[str], path: Path, select: str | None) -> Frame:
     found = {line[len(LAMMPS_ITEM) :]: index for index, line in enumerate(lines) if line.startswith(LAMMPS_ITEM)}
     atoms = next((name for name in found if name.startswith("ATOMS ")), None)
     if atoms is None or "NUMBER OF ATOMS" not in found:
         raise ConfigError(f"{path}: has no line 'ITEM: ATOMS' with the names of its columns, or none with their number")
-    # a list of named columns, of which those that are no numbers (an element's name) are left out
+    # columns without numbers, such as names of elements, are left out
     rows = [line.split() for line in lines[found[atoms] + 1 :] if line and not line.startswith(LAMMPS_ITEM)]
     if [str(len(rows))] != lines[found["NUMBER OF ATOMS"] + 1].split() or len({len(row) for row in rows}) != 1:
         raise ConfigError(f"{path}: a frame is damaged: it has {len(rows)} rows, or rows of several lengths")
@@ -265,8 +256,8 @@ def _dump(lines, path, select):
     return _selected(Frame(columns, before, label=f"step {lines[found['TIMESTEP'] + 1]}"), select, path)
 
 
-def _selected(frame, select, path):
-    """The frame of the atoms of the types ``select``, or of all where there is one type."""
+def _selected(frame: Frame, select: str | None, path: Path) -> Frame:
+    """Return the frame of the atoms of the types ``select``, or of all atoms if there is one type."""
     types = frame.columns.get("type", np.zeros(0))
     known = [f"{each:g}" for each in np.unique(types)]
     if select is None and len(known) < 2:
@@ -282,36 +273,42 @@ def _selected(frame, select, path):
 
 
 SEPARATORS = (";", "\t", ",", " ")
-"""In the order in which they are tried: the first one that makes a row of numbers out of a line is taken."""
+"""Separators in the order in which they are tried: the first one that splits a line into a row of numbers is taken."""
 
 TIME = re.compile(r"[#% ]*(?:t|time)\s*[=:]?\s*([-+.,\d]+(?:e[-+]?\d+)?)\s*\[?([a-z]*)\]?", re.IGNORECASE)
-"""A line with the time of a block, such as ``# t = 0.5`` or ``# time: 3 ms``."""
+"""Pattern of a line with the time of a block, such as ``# t = 0.5`` or ``# time: 3 ms``."""
 
 NAME = re.compile(r"(?:\"[^\"]*\"|'[^']*'|\S+)(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
-"""A name between blanks, with its unit."""
+"""Pattern of a name between blanks, with its unit."""
 
 
-def read_text(path, select=None):
-    """A frame for every block of rows; columns are called as the header says, or ``1``, ``2``, ... from the left.
+def read_text(path: Path, select: str | None = None) -> list[Frame]:
+    """Return a frame for every block of rows; columns have the names of the header, or ``1``, ``2``, ... from the left.
 
-    An empty line or one without numbers ends a block. Lines that begin with ``#`` or ``%`` are comments; the last one
-    before the numbers may be the header, with a row of units below it. Blocks share the last header before them.
+    An empty line or one without numbers ends a block. Lines that begin with ``#`` or ``%`` are comments; the last
+    comment before the numbers may be the header, with a row of units below it. A block without a header has the names
+    of the block before.
     """
     text = re.sub(r"(?<=[\d.])[dD](?=[-+\d]\d)", "e", decoded(path).replace("\r\r\n", "\n"))
     lines = [line.strip() for line in text.splitlines()]
     separator = next((each for line in lines for each in SEPARATORS if _row(_cells(line, each))), None)
     if separator is None:
         raise ConfigError(f"{path}: has no line of numbers")
-    frames, header, head, rows, cells, signs = [], ([], {}), [], [], [], set()
+    frames: list[Frame] = []
+    header: tuple[list[str], dict[str, str]] = ([], {})
+    head: list[str] = []
+    rows: list[list[float]] = []
+    cells: list[str] = []
+    signs: set[str] = set()
     for number, line in enumerate([*lines, ""], 1):
         above, cells = cells, _cells(line, separator)
         row = _row(cells)
-        fits = row and len(row) == len(rows[0] if rows else row)
-        damaged = cells if rows and not fits else above if fits and not rows and len(above) == len(row) else []
+        fits = row is not None and len(row) == len(rows[0] if rows else row)
+        damaged = cells if rows and not fits else above if fits and not rows and len(above) == len(cells) else []
         if any(cell and _number(cell) is not None for cell in damaged):
             line_of = number if rows else number - 1
             raise ConfigError(f"{path}: line {line_of} is no row of numbers as the others: {separator.join(damaged)}")
-        if fits:
+        if row is not None and fits:
             rows.append(row)
             signs |= {sign for sign in ".," if any(sign in cell for cell in cells)}
             continue
@@ -325,7 +322,7 @@ def read_text(path, select=None):
     return frames
 
 
-def _block(names, units, head, rows, label):
+def _block(names: list[str], units: dict[str, str], head: list[str], rows: list[list[float]], label: str) -> Frame:
     table = np.array(rows).T
     names = names if len(names) == len(table) else [""] * len(table)
     called = [name if name and names.count(name) == 1 else str(index) for index, name in enumerate(names, 1)]
@@ -334,8 +331,8 @@ def _block(names, units, head, rows, label):
     return Frame(dict(zip(called, table, strict=True)), time and _number(time[1]), label=label, units=units)
 
 
-def _header(head, separator, width):
-    """Names of the columns, and units by name, from the lines before the numbers; None where there are no names."""
+def _header(head: list[str], separator: str, width: int) -> tuple[list[str], dict[str, str]] | None:
+    """Return the names of the columns, and units by name, from the lines before the numbers; None without names."""
     found = [names for line in head if (names := _names(line.lstrip("#% "), separator, width))]
     symbols = {symbol for name in (found or [[]])[-1] for symbol, _ in re.findall(SYMBOL, name)}
     if len(found) > 1 and symbols <= {symbol for sizes in SIZES.values() for symbol in sizes}:
@@ -343,36 +340,36 @@ def _header(head, separator, width):
     return (found[-1], {}) if found else None
 
 
-def _names(line, separator, width):
-    """The ``width`` names in a header, however it separates them; None for any other line."""
+def _names(line: str, separator: str, width: int) -> list[str] | None:
+    """Return the ``width`` names in a header, with any separator; None for any other line."""
     ways = [_cells(line, each) for each in (separator, *SEPARATORS)] + [NAME.findall(line), re.split(r"\s{2,}", line)]
     found = [[cell.strip(" \t,;\"'") for cell in cells] for cells in ways if len(cells) == width]
     return next((names for names in found if {_number(name) for name in names if name} == {None}), None)
 
 
-def _cells(line, separator):
-    """Texts of the columns of a line; none of a comment."""
+def _cells(line: str, separator: str) -> list[str]:
+    """Return the texts of the columns of a line; none for a comment."""
     if line.startswith(("#", "%")):
         return []
     split = [line.split()] if separator == " " else csv.reader([line], delimiter=separator, skipinitialspace=True)
     return [cell.strip(" \t\"'") for cell in next(iter(split), [])]
 
 
-def _row(cells):
-    """Numbers of two or more columns, NaN in an empty one; None where one is no number, or all are empty."""
-    row = [_number(cell) for cell in cells]
-    return row if len(row) > 1 and any(cells) and None not in row else None
+def _row(cells: list[str]) -> list[float] | None:
+    """Return the numbers of two or more columns, NaN for empty cells; None if a cell is no number or all are empty."""
+    row = [number for cell in cells if (number := _number(cell)) is not None]
+    return row if len(row) == len(cells) > 1 and any(cells) else None
 
 
-def _number(text):
+def _number(text: str) -> float | None:
     try:
         return float(text.replace(",", ".") or "nan")
     except ValueError:
         return None
 
 
-def read_vtk(path, select=None):
-    """A frame a time of the file; the time is that of its steps, or the field data ``time`` or ``TimeValue``."""
+def read_vtk(path: Path, select: str | None = None) -> list[Frame]:
+    """Return a frame for each time of a VTK file, from its time steps or the field data ``time`` or ``TimeValue``."""
     if path.suffix == ".pvd":
         return _collection(path, select)
     reader, key = _vtk_reader(path)
@@ -390,21 +387,22 @@ def read_vtk(path, select=None):
     return frames
 
 
-def _collection(path, select):
-    """Frames of the files that a collection names, at its times; ``select`` is one of its parts."""
+def _collection(path: Path, select: str | None) -> list[Frame]:
+    """Return the frames of the files of a collection, at its times; ``select``: one of its parts."""
     try:
-        parts = {}
+        parts: dict[str, list[tuple[Path, float | None]]] = {}
         for entry in ElementTree.parse(path).iterfind(".//DataSet"):
             time, part = entry.get("timestep"), entry.get("name") or entry.get("part") or "0"
-            parts.setdefault(part, []).append((path.parent / entry.get("file"), time and float(time)))
-    except (ElementTree.ParseError, TypeError, ValueError) as error:
+            file = path.parent / entry.attrib["file"]
+            parts.setdefault(part, []).append((file, float(time) if time else None))
+    except (ElementTree.ParseError, KeyError, ValueError) as error:
         raise ConfigError(f"{path}: is no collection of VTK files: {error}") from None
     files = parts[chosen_group(tuple(parts), select, path)]
     return [replace(each, time=each.time if time is None else time) for file, time in files for each in read_vtk(file)]
 
 
-def _only_time(path):
-    """Time of a VTKHDF file with one step, which its reader does not tell; None for any other."""
+def _only_time(path: Path) -> float | None:
+    """Return the time of a VTKHDF file with one step, which VTK's reader does not return; None for any other file."""
     if path.suffix != ".vtkhdf":
         return None
     with h5py.File(path, "r") as file:
@@ -412,8 +410,8 @@ def _only_time(path):
         return None if values is None else float(values[0])
 
 
-def _vtk_reader(path):
-    """VTK's reader of the file, and the key of its times."""
+def _vtk_reader(path: Path) -> tuple[Any, Any]:
+    """Return VTK's reader of the file, and the key of its times."""
     try:
         from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
         from vtkmodules.vtkIOHDF import vtkHDFReader
@@ -425,18 +423,18 @@ def _vtk_reader(path):
     return kinds.get(path.suffix, vtkXMLGenericDataObjectReader)(), vtkStreamingDemandDrivenPipeline.TIME_STEPS()
 
 
-def _vtk_frame(data, time, path):
+def _vtk_frame(data: Any, time: Any, path: Path) -> Frame:
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkCellCenters
 
     if data is None or not hasattr(data, "GetNumberOfPoints") or not data.GetNumberOfPoints():
         raise ConfigError(f"{path}: has no points, or VTK cannot read it")
-    fields, notes = _vtk_arrays(data.GetFieldData(), vtk_to_numpy), ()
+    fields = _vtk_arrays(data.GetFieldData(), vtk_to_numpy)
+    notes: tuple[str, ...] = ()
     if time is None and (found := time_of(fields)) is not None:
         time = float(found[0])
-    if recognised(
-        "u", {name: name for name in flat(_vtk_arrays(data.GetCellData(), vtk_to_numpy))}
-    ):  # beside these the data of points are interpolated
+    names = flat(_vtk_arrays(data.GetCellData(), vtk_to_numpy))
+    if recognised("u", {name: name for name in names}):  # data of points beside data of cells are interpolated
         centres, notes = vtkCellCenters(), ("the data of the cells are taken, at the cell centres",)
         centres.SetInputData(data)
         centres.Update()
@@ -445,24 +443,25 @@ def _vtk_frame(data, time, path):
     return Frame(flat(arrays), time, notes=notes)
 
 
-def _vtk_places(data, as_array):
+def _vtk_places(data: Any, as_array: Callable) -> Any:
     if hasattr(data, "GetPoints") and hasattr(data.GetPoints(), "GetData"):
         return as_array(data.GetPoints().GetData())
     return [data.GetPoint(index) for index in range(data.GetNumberOfPoints())]  # an image has none of its own
 
 
-def _vtk_arrays(holder, as_array):
+def _vtk_arrays(holder: Any, as_array: Callable) -> dict[str, np.ndarray]:
     names = [(holder.GetArrayName(index), holder.GetArray(index)) for index in range(holder.GetNumberOfArrays())]
     return {name: as_array(array) for name, array in names if name and array is not None}
 
 
-def read_xyz(path, select=None):
-    """Frames in the order of the file."""
+def read_xyz(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of an extended XYZ file in the order of the file."""
     lines, frames = [line for line in decoded(path).splitlines() if line.strip()], []
     try:
         while lines:
             count, about = int(lines[0]), lines[1]
-            parts = re.search(r"Properties=(\S+)", about)[1].split(":")
+            properties: Any = re.search(r"Properties=(\S+)", about)  # TypeError without one
+            parts = properties[1].split(":")
             names, kinds, widths = parts[::3], parts[1::3], [int(width) for width in parts[2::3]]
             table = np.array([line.split() for line in lines[2 : count + 2]]).reshape(count, sum(widths))
             groups = zip(names, kinds, np.split(table, np.cumsum(widths)[:-1], axis=1), strict=True)
@@ -485,13 +484,13 @@ READERS = {
     (".vtk", ".vtu", ".vtp", ".vti", ".vtr", ".vts", ".pvtu", ".pvtp", ".vtkhdf", ".pvd"): read_vtk,
     (".xyz", ".extxyz"): read_xyz,
 }
-"""By the endings of file names."""
+"""Endings of file names -> reader."""
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 
 
-def frames(path, select=None):
-    """Return the frames of the file ``path``: by what it begins with where that says it, else by its ending.
+def frames(path: Path, select: str | None = None) -> list[Frame]:
+    """Return the frames of the file ``path``, whose format its first bytes or else the ending of its name determine.
 
     Raises ConfigError where it cannot be read.
     """
@@ -509,7 +508,7 @@ def frames(path, select=None):
         raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _reader(path, begins):
+def _reader(path: Path, begins: bytes) -> Callable[[Path, str | None], list[Frame]]:
     if begins.startswith((LAMMPS_ITEM.encode(), LAMMPS_CHUNKS.encode())):
         return read_lammps
     if begins.startswith(HDF5) and path.suffix != ".vtkhdf":

@@ -51,7 +51,7 @@ def compare(
       tisph compare couette_100.hdf5 couette_200.hdf5 --config couette.yaml --bound 1e-3
       tisph compare couette.dump --config couette.yaml --time 20 --origin 0,0.06
     """
-    from tisph.assessment import judge, report
+    from tisph.assessment import judge
     from tisph.config import load
 
     loaded = load(config, overrides or ())
@@ -64,8 +64,8 @@ def compare(
         place = x, y
     question = judge.Question(time or (), columns or (), unit or (), orientation, place, select)
     found = judge.judge(loaded, data, question)
-    print(report.text(found, loaded.name))
-    for path in report.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
+    print(judge.text(found, loaded.name))
+    for path in judge.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
         print(f"{path}")
     if bound is not None:
         over = [each for each in found.samples if each.error is None or each.error > bound]

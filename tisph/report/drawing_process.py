@@ -19,10 +19,12 @@ from dataclasses import replace
 from pathlib import Path
 from queue import Queue
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
 from tisph.errors import TisphError
+from tisph.snapshot import Snapshot
 
 
 def apart_from_terminal() -> dict:
@@ -40,19 +42,19 @@ BACKLOG = 64
 """Tasks that may wait for the process that draws, such as frames of 3 MB for 10^5 particles: then the run waits."""
 
 _PROGRAM = "import sys; sys.path[:] = sys.argv[1:]; from tisph.report.drawing_worker import main; main()"
-_NOT_DRAWN = {"density": np.empty(0), "pressure": np.empty(0), "stress_xx": None, "stress_yy": None}
-"""What stands for the fields of a snapshot that no picture shows, unless the scene says so."""
+_NOT_DRAWN: dict[str, Any] = {"density": np.empty(0), "pressure": np.empty(0), "stress_xx": None, "stress_yy": None}
+"""Values in place of the fields of a snapshot that no picture shows, unless the scene asks for them."""
 
 
 class DrawingProcess:
-    """A process that draws. It ends with this one, whatever ends that, and finishes the movie it is at.
+    """A process that draws. It finishes its movie and ends when this process ends, for any reason.
 
-    What it cannot do, and its own end, is a TisphError where the result is asked for, and nowhere else.
+    A task that fails, and an end of the process, raise TisphError only where the result of a task is read.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
-        self._process = subprocess.Popen(
+        self._process: Any = subprocess.Popen(
             [sys.executable, "-c", _PROGRAM, *sys.path],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -69,8 +71,8 @@ class DrawingProcess:
         """Whether the process still runs."""
         return self._process.poll() is None
 
-    def request(self, task: str, *arguments) -> Future:
-        """Let it do ``task``, a method of ``drawing_worker.Worker``, after all earlier ones; return the result."""
+    def request(self, task: str, *arguments: Any) -> Future:
+        """Send ``task``, a method of ``drawing_worker.Worker``, which runs after all earlier ones; return a future."""
         future: Future = Future()
         self._tasks.put((future, pickle.dumps((task, arguments), pickle.HIGHEST_PROTOCOL)))
         return future
@@ -102,14 +104,14 @@ class DrawingProcess:
 class RemoteMovie:
     """A movie (arguments as for ``tisph.report.movie.Movie``) that ``process`` draws; ``close`` raises errors."""
 
-    def __init__(self, process: DrawingProcess, path, scene, video, title: str, end: float):
+    def __init__(self, process: DrawingProcess, path: str | Path, scene: Any, video: Any, title: str, end: float):
         self._process = process
         shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
         place = Path(path).absolute()  # the process stays where it started
         self._requested = [process.request("movie", place, *described(scene, video), title, end)]
 
-    def add(self, snapshot) -> None:
+    def add(self, snapshot: Snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""
         self._requested.append(self._process.request("frame", replace(snapshot, **self._not_drawn)))
 
@@ -120,7 +122,7 @@ class RemoteMovie:
             each.result()
 
 
-def described(scene, video=None) -> list:
+def described(scene: Any, video: Any = None) -> list:
     """Return both without the config's own types, which take another process a while to import."""
     video = [SimpleNamespace(**vars(video))] if video is not None else []
     return [replace(scene, units=SimpleNamespace(**vars(scene.units))), *video]

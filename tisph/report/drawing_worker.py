@@ -10,28 +10,32 @@ import os
 import pickle
 import signal
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
 
 from tisph.errors import TisphError
 from tisph.report.movie import Movie
 from tisph.report.plots import history_figure, profile_figure
+from tisph.snapshot import Snapshot
 
-PLOTS = {"profiles": profile_figure, "history": history_figure}
+PLOTS: dict[str, Any] = {"profiles": profile_figure, "history": history_figure}
 
 
 class Worker:
     """The tasks. A movie that fails is finished as far as it goes, and takes no more frames."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._movie: Movie | None = None
 
-    def movie(self, path, scene, video, title, end) -> None:
+    def movie(self, path: Path, scene: Any, video: Any, title: str, end: float) -> None:
         """Begin a movie; arguments as for ``tisph.report.movie.Movie``."""
         self.abandon()
         self._movie = Movie(path, scene, video, title, end)
 
-    def frame(self, snapshot) -> None:
+    def frame(self, snapshot: Snapshot) -> None:
         """Add a frame to the movie."""
         if self._movie:
             try:
@@ -51,13 +55,13 @@ class Worker:
         with contextlib.suppress(Exception):
             self.close()
 
-    def still(self, scene, video, title, end, snapshot) -> bytes:
+    def still(self, scene: Any, video: Any, title: str, end: float, snapshot: Snapshot) -> bytes:
         """Return the picture of ``snapshot`` as PNG."""
         picture = io.BytesIO()
         Movie("", scene, video, title, end).save_frame(picture, snapshot)
         return picture.getvalue()
 
-    def plots(self, scene, wanted) -> dict[str, bytes]:
+    def plots(self, scene: Any, wanted: dict[str, tuple]) -> dict[str, bytes]:
         """Return the plots ``wanted`` as PNG: arguments beside the scene by name, of ``PLOTS``.
 
         They are drawn side by side, where a process can be forked: at the end of a run all processors are free.
@@ -68,8 +72,8 @@ class Worker:
             drawn = {name: pool.submit(_plot, name, scene, *arguments) for name, arguments in wanted.items()}
             return {name: image.result() for name, image in drawn.items()}
 
-    def answer(self, task: str, arguments) -> tuple[object, str | None]:
-        """Return the result of ``task``, or what went wrong with it."""
+    def answer(self, task: str, arguments: Sequence[Any]) -> tuple[object, str | None]:
+        """Return the result and the error message of ``task``, one of them None."""
         try:
             return getattr(self, task)(*arguments), None
         except TisphError as error:
@@ -79,11 +83,11 @@ class Worker:
 
 
 def main() -> None:
-    """Do what standard input asks for, to its end."""
+    """Run the tasks from standard input until it ends."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # the run decides how to end
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # libraries may print; standard output has answers only
     worker = Worker()
     with contextlib.suppress(EOFError, OSError, pickle.UnpicklingError):  # the run has ended, maybe in mid-word
         while True:
@@ -93,5 +97,5 @@ def main() -> None:
     os._exit(0)  # nothing is left to clear up
 
 
-def _plot(name: str, *arguments) -> bytes:
+def _plot(name: str, *arguments: Any) -> bytes:
     return PLOTS[name](*arguments).png()

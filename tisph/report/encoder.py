@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import imageio_ffmpeg
 import numpy as np
@@ -45,7 +46,7 @@ SOUGHT = "-2"
 def poster(path: Path) -> bytes | None:
     """Return the last frame of the movie in the file ``path`` as JPEG, None where that is no whole movie."""
     frame = None
-    with suppress(OSError, RuntimeError):  # what imageio-ffmpeg raises of a damaged file
+    with suppress(OSError, RuntimeError):  # errors of imageio-ffmpeg for a damaged file
         frames = imageio_ffmpeg.read_frames(str(path), input_params=["-sseof", SOUGHT])
         size = next(frames)["size"]
         for frame in frames:  # noqa: B007 (the last one is used)
@@ -63,8 +64,8 @@ _COLOURS = (
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=iec61966-2-1:range=tv"
 )
 
-# What particles on a plain ground do not need is left out: half of the time of preset veryfast at crf 23, 1.5 times the
-# bytes, PSNR 33.8 dB instead of 35.4 for Couette flow.
+# Features that particles on a plain ground do not need are off: half of the time of preset veryfast at crf 23, 1.5
+# times the bytes, PSNR 33.8 dB instead of 35.4 for Couette flow.
 _QUALITY = (
     *("-preset", "superfast", "-crf", "26"),
     *("-x264-params", "cabac=0:bframes=0:subme=0:rc-lookahead=0:mbtree=0:weightp=0"),
@@ -84,7 +85,7 @@ class Encoder:
         self._shape = (height, width, 4)
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         try:
-            self._process = subprocess.Popen(
+            self._process: Any = subprocess.Popen(
                 _command(path, width, height, frames_per_second),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
@@ -138,7 +139,7 @@ def _command(path: Path, width: int, height: int, frames_per_second: float) -> l
     ]  # fmt: skip
 
 
-def _widen(pipe) -> None:
+def _widen(pipe: Any) -> None:
     """Let more wait in ``pipe``, where its size can be chosen and the user's pipes together leave room for it."""
     with contextlib.suppress(ImportError, AttributeError, OSError):
         from fcntl import F_SETPIPE_SZ, fcntl

@@ -12,6 +12,9 @@ Source: P. Lancaster and K. Salkauskas, Math. Comput. 37 (1981) 141-158; blended
 I. Babuska, Comput. Methods Appl. Mech. Engrg. 139 (1996) 289-314.
 """
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from tisph.report import style
@@ -28,25 +31,25 @@ _BLOB = 0.25, 0.5, 0.15  # where the middle of a blob is in the box, and its rad
 class Dye:
     """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob."""
 
-    def __init__(self, scene, pattern: str):
+    def __init__(self, scene: Any, pattern: str):
         self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
         self._share = getattr(self, f"_{pattern}")
-        self._first = None
+        self._first: np.ndarray | None = None
 
-    def of(self, snapshot) -> np.ndarray:
+    def of(self, snapshot: Snapshot) -> np.ndarray:
         """Return 0 or 1 for each particle, by where it was in the first snapshot for which this was called."""
         if self._first is None:
             places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
             self._first = self._share(np.where(np.isfinite(places), places, 0.0) - self._low)
         return self._first
 
-    def _stripes(self, places):
+    def _stripes(self, places: np.ndarray) -> np.ndarray:
         return np.floor(_STRIPES * places[:, 0] / self._size[0]) % 2
 
-    def _checkerboard(self, places):
+    def _checkerboard(self, places: np.ndarray) -> np.ndarray:
         return np.floor(_SQUARES * places / self._size.min()).sum(axis=1) % 2
 
-    def _blob(self, places):
+    def _blob(self, places: np.ndarray) -> np.ndarray:
         aim = np.array(_BLOB[:2]) * self._size
         middle = places[np.argmin(np.linalg.norm(places - aim, axis=1))]  # in the fluid, wherever bodies are
         return (np.linalg.norm(places - middle, axis=1) < _BLOB[2] * self._size.min()).astype(float)
@@ -54,7 +57,7 @@ class Dye:
 
 _MOST = 40_000  # nodes
 _MARGIN = 4  # nodes beyond each side
-_BEYOND = 3.0  # of them in which particles count for what is seen
+_BEYOND = 3.0  # nodes beyond each side up to which particles count
 _LEAST = 0.02  # sum of weights of a node, 1 where particles are everywhere: below it there is nothing to fit
 _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a line leave no slope undetermined
 
@@ -62,11 +65,19 @@ _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a
 class FieldGrid:
     """The grid of one picture: ``fit`` takes values, then ``image`` has the field of the first, ``at`` of the last.
 
-    ``low`` and ``high`` are corners of what is shown, ``shape`` (rows, columns) its pixels, the first row at the top.
+    ``low`` and ``high`` are corners of the shown part of the box, ``shape`` (rows, columns) its pixels, the first row
+    at the top.
     Along ``periodic`` axes, all of whose period is shown, particles near one side count at the other, too.
     """
 
-    def __init__(self, low, high, shape, spacing, periodic):
+    def __init__(
+        self,
+        low: Sequence[float],
+        high: Sequence[float],
+        shape: tuple[int, int],
+        spacing: float,
+        periodic: tuple[bool, bool],
+    ):
         from scipy.sparse import csr_array
 
         self._low, self._periodic = np.asarray(low, dtype=float), periodic
@@ -88,9 +99,9 @@ class FieldGrid:
                 ]
             )
 
-    def fit(self, x, y, *values):
-        """Fit to each of ``values`` (particles,) at ``x`` and ``y``; particles with what is no number are left out."""
-        x, y, *values = self._copied(x, y, *values)
+    def fit(self, x: np.ndarray, y: np.ndarray, *values: np.ndarray) -> None:
+        """Fit to each of ``values`` (particles,) at ``x`` and ``y``; particles with NaN or inf do not count."""
+        x, y, *copied = self._copied(x, y, *values)
         (first_x, near_x, away_x), (first_y, near_y, away_y) = (
             _splines(self._nodes(place, axis)) for axis, place in enumerate((x, y))
         )
@@ -99,7 +110,7 @@ class FieldGrid:
         along = np.broadcast_to(away_x[:, None, :], (len(x), 4, 4)).reshape(len(x), -1)
         across = np.broadcast_to(away_y[:, :, None], (len(x), 4, 4)).reshape(len(x), -1)
 
-        def total(terms):
+        def total(terms: np.ndarray) -> np.ndarray:
             return np.bincount(index, terms.ravel(), minlength=int(np.prod(self._count)))
 
         wx, wy = weight * along, weight * across
@@ -109,17 +120,17 @@ class FieldGrid:
         mx, my, mxx, mxy, myy = (one / m for one in (mx, my, mxx, mxy, myy))
         xx, xy, yy = mxx - mx * mx + _EVEN, mxy - mx * my, myy - my * my + _EVEN
         self._fits = []
-        for one in values:
+        for one in copied:
             v, vx, vy = (total(each * one[:, None]) / m for each in (weight, wx, wy))
             vx, vy = vx - mx * v, vy - my * v
             slopes = (vx * yy - vy * xy) / (xx * yy - xy * xy), (vy * xx - vx * xy) / (xx * yy - xy * xy)
             fit = v - slopes[0] * mx - slopes[1] * my, *slopes, np.ones_like(v)
             self._fits.append([self._on_grid(terms) for terms in fit])
 
-    def _on_grid(self, terms):
+    def _on_grid(self, terms: np.ndarray) -> np.ndarray:
         return np.where(self._known, terms, 0.0).reshape(self._count[::-1]).astype(np.float32)
 
-    def image(self):
+    def image(self) -> np.ndarray:
         """Return the field at the middles of the pixels, float32 (rows, columns); NaN where there are no particles."""
         (x, x_away), (y, y_away) = self._spread
         constant, slope_x, slope_y, known = self._fits[0]
@@ -127,7 +138,7 @@ class FieldGrid:
         with np.errstate(invalid="ignore", divide="ignore"):
             return value / ((y @ known) @ x.T)
 
-    def at(self, x, y):
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the field at the places ``x`` and ``y`` (n,); NaN where there are no particles."""
         (row, weight_y, away_y), (column, weight_x, away_x) = (
             _blend(self._nodes(place, axis)) for axis, place in ((1, y), (0, x))
@@ -139,13 +150,13 @@ class FieldGrid:
         with np.errstate(invalid="ignore", divide="ignore"):
             return value.sum(axis=(1, 2)) / (weight * known).sum(axis=(1, 2))
 
-    def _nodes(self, place, axis):
+    def _nodes(self, place: np.ndarray, axis: int) -> np.ndarray:
         """Return places along an axis in steps from node to node."""
         return (place - self._low[axis]) / self._pitch[axis] + _MARGIN
 
-    def _copied(self, *fields):
+    def _copied(self, *given: np.ndarray) -> np.ndarray:
         """Return those particles that are seen, and copies of those near periodic sides, as arrays of floats."""
-        fields = np.array(fields, dtype=float)
+        fields = np.array(given, dtype=float)
         fields = fields[:, np.isfinite(fields).all(axis=0)]
         for axis, periodic in enumerate(self._periodic):
             low, size, beyond = self._low[axis], self._size[axis], _BEYOND * self._pitch[axis]
@@ -160,7 +171,7 @@ class FieldGrid:
         return fields
 
 
-def _splines(place):
+def _splines(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the four nodes (n, 4) around each place that are on the grid, cubic weights, and how far they are away."""
     node = np.floor(place).astype(int)
     f = (place - node)[:, None]
@@ -168,7 +179,7 @@ def _splines(place):
     return node[:, None] + np.arange(-1, 3), weight, f + np.arange(1, -3, -1)
 
 
-def _blend(place):
+def _blend(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the first of three nodes (n,) around each place, quadratic weights (n, 3), and how far they are away."""
     node = np.floor(place + 0.5).astype(int)
     f = (place - node)[:, None]
@@ -184,7 +195,7 @@ _DOT, _DOT_COVER = 1.4, 0.55  # radius in a frame of 1280 x 640, and cover, of p
 class FluidPainter:
     """Paints the fluid of ``scene`` into its box of ``layout``, coloured as ``quantity`` and ``video`` say."""
 
-    def __init__(self, scene, layout: Layout, quantity: Quantity, video):
+    def __init__(self, scene: Any, layout: Layout, quantity: Quantity, video: Any):
         self.style = ("particles" if scene.parallel else "field") if video.style == "auto" else video.style
         self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape
         whole = layout.shown_length == scene.extent[0] and scene.periodic[0]
@@ -192,7 +203,7 @@ class FluidPainter:
         colours = style.colours(_SHADES, colour_map=quantity.colour_map)
         ground = style.rgb(layout.theme.background) / 255.0
         self.disc_radius = max(_SMALLEST_DIAMETER, scene.spacing * layout.pixels_per_length) / 2.0
-        self.grid = None
+        self.grid: Any = None
         if self.style == "particles":
             self._discs, self._shades = Discs(self.disc_radius, shape), Shades(colours, ground)
             return
@@ -205,7 +216,7 @@ class FluidPainter:
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
         """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
 
-        The grid is left with ``profile``, what the profile panel shows.
+        The last fit of the grid is ``profile``, the values of the profile panel.
         """
         if self.style == "particles":
             share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
@@ -221,6 +232,6 @@ class FluidPainter:
             dots = self._dots.cover(self._layout.pixel_positions(snapshot.x, snapshot.y))
             blend(panel[:, :, :3], dots * np.float32(_DOT_COVER), style.rgb(style.TEXT))
 
-    def _share(self, values):
+    def _share(self, values: np.ndarray) -> np.ndarray:
         lowest, highest = self._range
         return (values - np.float32(lowest)) * np.float32(1.0 / (highest - lowest))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -62,8 +63,8 @@ def tick_text(value: float, exponent: int) -> str:
 def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Callable[[float], str]:
     """Return a function value -> text with as many decimals as give ``largest`` that many significant ``digits``.
 
-    Values follow each other without moving about: the power of ten, where there is one, is that of ``largest``,
-    as in ``axis_exponent``, and zero is written with all its decimals.
+    All values have the same width: the power of ten, if any, is the one of ``largest`` as in ``axis_exponent``, and
+    zero is written with all its decimals.
     """
     exponent = axis_exponent(largest, smallest_plain)
     decimals = max(0, digits - 1 - math.floor(math.log10(largest) - exponent))
@@ -76,7 +77,7 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
     return text
 
 
-def unit_label(kind: str, units) -> str:
+def unit_label(kind: str, units: Any) -> str:
     """Return the label of the unit of a ``kind`` of quantity, from the config's unit labels; velocity: ``m/s``.
 
     Forces and torques are per length across the plane. The unit of a stress is ``Pa`` where the units are m, kg and s,
@@ -108,8 +109,8 @@ def unit_label(kind: str, units) -> str:
 def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:
     """Return a function t -> ``t = 1.80 s   t* = νt/H² = 0.0180`` with a fixed number of decimals.
 
-    The steps of t are about a thousandth of that, those of t* = t / ``time_scale``, for which ``formula`` stands, a
-    ten-thousandth.
+    t has a resolution of about ``time_scale``/1000, and t* = t / ``time_scale``, which is written as ``formula``, of
+    1/10000.
     """
     clock = fixed_point(time_scale, 4)
 
@@ -119,17 +120,17 @@ def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], 
     return label
 
 
-def error_label(scene, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
+def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> relative error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
-    Where u crosses zero or decays (``vanishing_scale``), a relative error would be large for no fault of the
-    particles: it is then the rms error as a multiple of the reference velocity U, ``rms error 1.5×10⁻³ U``. What is not
-    resolved has no error to speak of: ``unresolved: 0.3 spacings`` is the thickness of a layer. With ``field``, a name
-    and what it is called, it is the error of that one. Without a reference there are no other words.
+    Where u crosses zero or decays (``vanishing_scale``), the relative error is large although the particles are right;
+    the text then has the rms error over the reference velocity U, ``rms error 1.5×10⁻³ U``. A flow that is not
+    resolved has no meaningful error: ``unresolved: 0.3 spacings`` is the thickness of its layer. ``field`` (name in the
+    snapshot, name in words) selects the error of one field. Without a reference the text is empty.
     """
     of_velocity = field is None
     by_speed = of_velocity and bool(scene.fields) and scene.vanishing_scale  # takes longer than drawing a frame
-    name = "L2 error" if of_velocity else f"L2 error of {field[1]}"
+    name = f"L2 error of {field[1]}" if field else "L2 error"
 
     def label(snapshot: Snapshot) -> str:
         lacking = unresolved(scene, snapshot.t, snapshot)
@@ -139,7 +140,7 @@ def error_label(scene, field: tuple[str, str] | None = None) -> Callable[[Snapsh
             return ""
         if by_speed:
             return f"rms error {scientific(rms_error(scene, snapshot))} U"
-        error = relative_error(scene, snapshot) if of_velocity else field_error(scene, snapshot, field[0])
+        error = field_error(scene, snapshot, field[0]) if field else relative_error(scene, snapshot)
         return f"{name}: none yet" if error is None else f"{name} {scientific(error)}"
 
     return label

@@ -1,6 +1,8 @@
 """Where everything stands in a movie frame: pixel rectangles for any frame size and any shape of the box."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +11,7 @@ from tisph.report import style
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 _LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
-_LEAST_BOX = 400  # pixels likewise: width of the box with what is written beside it
+_LEAST_BOX = 400  # pixels likewise: width of the box with the labels beside it
 _GAP = 90, 78  # pixels likewise: between panels, for tick labels and names
 
 
@@ -44,7 +46,7 @@ class Rect:
 
     @property
     def inner(self) -> "Rect":
-        """What the lines of axes, which are on its border, leave of it."""
+        """The rectangle without its border, where the lines of axes are."""
         return Rect(self.left + 1, self.top + 1, self.width - 2, self.height - 2)
 
 
@@ -52,9 +54,8 @@ class Rect:
 class Layout:
     """The parts of a frame of ``width`` x ``height`` pixels.
 
-    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` is the lowest corner of the box
-    and ``high`` the highest of what is drawn of it, ``shown_length`` (length) along x; ``pixels_per_length`` is the
-    same along x and y.
+    ``scale`` is the size of text and lines relative to a frame of 1280 x 640; ``low`` and ``high`` are the corners of
+    the shown part of the box, ``shown_length`` is its length along x; ``pixels_per_length`` is the same along x and y.
     ``box``, ``profile``, ``series``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all
     that changes from frame to frame. Left of the column ``split``, beside walls, there is room for their labels.
     """
@@ -76,7 +77,7 @@ class Layout:
     error_label: Rect
     wall_thickness: int
 
-    def pixel_positions(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def pixel_positions(self, x: Any, y: Any) -> tuple[Any, Any]:
         """Return columns and rows in the box [pixels] of positions ``x`` and ``y``."""
         return (x - self.low[0]) * self.pixels_per_length, (self.high[1] - y) * self.pixels_per_length
 
@@ -90,7 +91,7 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def arrange(scene, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
+def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
     """Return the layout of a frame for the box of ``scene``, both axes to the same scale.
 
     There is space for plane walls where it has some, and a rim around the box where bodies bound it. The two panels are
@@ -133,17 +134,19 @@ def arrange(scene, width: int, height: int, theme: style.Theme = style.LIGHT) ->
     )  # fmt: skip
 
 
-def _panels(region: Rect, px) -> tuple[Rect, Rect]:
+def _panels(region: Rect, px: Callable[[float], int]) -> tuple[Rect, Rect]:
     """Return the rectangles of profile and series in ``region``: side by side, or one above the other."""
     across, down = px(_GAP[0]), px(_GAP[1])
     if region.width > 1.6 * region.height:
         wide = (region.width - across) // 2
-        return tuple(Rect(left, region.top, wide, region.height) for left in (region.left, region.right - wide))
+        first, second = (Rect(left, region.top, wide, region.height) for left in (region.left, region.right - wide))
+        return first, second
     high = (region.height - down) // 2
-    return tuple(Rect(region.left, top, region.width, high) for top in (region.top, region.bottom - high))
+    first, second = (Rect(region.left, top, region.width, high) for top in (region.top, region.bottom - high))
+    return first, second
 
 
-def _colour_bar(box: Rect, px, shorter: int) -> Rect:
+def _colour_bar(box: Rect, px: Callable[[float], int], shorter: int) -> Rect:
     """Return the rectangle of the colour bar at the right of ``box``, ``shorter`` at both ends, but not very low."""
     height = max(box.height - 2 * shorter, px(90))
     return Rect(box.right + px(14), box.top + (box.height - height) // 2, px(12), height)

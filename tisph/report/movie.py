@@ -8,32 +8,241 @@ import contextlib
 import pickle
 import tempfile
 from dataclasses import dataclass, fields, replace
+from io import BytesIO
 from pathlib import Path
+from types import TracebackType
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from tisph.errors import TisphError
+from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
-from tisph.report.background import draw_background
 from tisph.report.encoder import Encoder
 from tisph.report.field import Dye, FluidPainter
-from tisph.report.labels import error_label, time_label
-from tisph.report.layout import Layout, arrange
+from tisph.report.labels import TIMES, axis_exponent, axis_label, error_label, number, time_label, unit_label
+from tisph.report.layout import Layout, Rect, arrange
 from tisph.report.overlays import BodyTracks, Solids, Streamlines, Tracks, Vectors
 from tisph.report.panels import ProfilePanel, TimePanel, exact_values, measured
 from tisph.report.quantities import Extremes, Quantity, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
+from tisph.scenes._views import Line as ProfileLine
 from tisph.snapshot import Snapshot
+
+_PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
+
+
+def build_figure(scene: Any, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
+    """Return the background as a matplotlib figure, not drawn yet.
+
+    ``quantity`` is the quantity of the colours and of the profile panel.
+    """
+    figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
+    FigureCanvasAgg(figure)
+    stage = _Stage(figure, scene, layout)
+    stage.box_axes()
+    stage.walls()
+    if quantity.colour_name:
+        stage.colour_bar(quantity)
+    stage.profile_axes(quantity)
+    stage.series_axes(time_panel)
+    stage.legend(quantity)
+    stage.series_legend(time_panel)
+    stage.titles(title)
+    return figure
+
+
+class _Stage:
+    """The figure being drawn; ``overlay`` covers it all, in pixels from the top-left corner."""
+
+    def __init__(self, figure: Figure, scene: Any, layout: Layout):
+        self.figure, self.scene, self.layout, self.theme = figure, scene, layout, layout.theme
+        self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
+        self.overlay.set_axis_off()
+        self.length_exponent = axis_exponent(float(np.abs((layout.low, layout.high)).max()))
+
+    def box_axes(self) -> None:
+        """Axes of the box: x below it, y at the left."""
+        layout, unit = self.layout, self.scene.units.length
+        width = self.scene.extent[0]
+        axes = self._axes(layout.box, *zip(layout.low, layout.high, strict=True))
+        beside = layout.pixels(1)  # the discs, not below them
+        for sides, periodic, walls in zip(
+            (("left", "right"), ("top", "bottom")), self.scene.periodic, (0, layout.wall_thickness), strict=True
+        ):
+            for side in sides:
+                axes.spines[side].set_visible(periodic)
+                axes.spines[side].set(linestyle=(0, (4, 3)), color=self.theme.muted)
+                axes.spines[side].set_position(("outward", beside if periodic else walls))
+        self._ticks(axes, layout.box, self.length_exponent, self.length_exponent)
+        label = axis_label("x", unit, self.length_exponent)
+        if layout.shown_length < width:
+            label += f"     (shown: {number(layout.shown_length, 3)} of {number(width, 3)} {unit})"
+        self._label(axes, label, axis_label("y", unit, self.length_exponent))
+
+    def walls(self) -> None:
+        """Bars beside the box: hatched at rest, dark where they move."""
+        for side, motion in self.scene.walls:
+            bar = self.layout.wall(side)
+            if motion.cosine or motion.sine:
+                self._bar(bar, facecolor=self.theme.wall_moving, linewidth=0)
+            else:
+                self._bar(bar, facecolor=self.theme.wall_resting, edgecolor=self.theme.muted, hatch="///", linewidth=0)
+
+    def colour_bar(self, quantity: Quantity) -> None:
+        """Vertical bar over the range of colours, with its unit."""
+        low, high = quantity.colour_range
+        exponent = axis_exponent(max(abs(low), abs(high)))
+        axes = self._axes(self.layout.colour_bar, (0.0, 1.0), (low, high))
+        colours = style.colours(256, colour_map=quantity.colour_map)[::-1, None, :]
+        axes.imshow(colours, extent=(0.0, 1.0, low, high), aspect="auto", interpolation="nearest")
+        axes.yaxis.tick_right()
+        axes.yaxis.set_label_position("right")
+        self._ticks(axes, self.layout.colour_bar, None, exponent)
+        self._label(axes, None, axis_label(quantity.colour_name, quantity.unit, exponent))
+
+    def profile_axes(self, quantity: Quantity) -> None:
+        """Axes of the live profile: the quantity along, the coordinate of its line upwards."""
+        profile, (low, high) = quantity.profile, quantity.profile_range
+        exponent = axis_exponent(max(abs(low), abs(high)))
+        axes = self._axes(self.layout.profile, quantity.profile_range, profile.line.ends)
+        axes.grid(True, linewidth=self.layout.pixels(1))
+        self._ticks(axes, self.layout.profile, exponent, self.length_exponent)
+        unit = self.scene.units.length
+        place = "" if profile.line.half_width == np.inf else f" at {self._place(profile.line)} {unit}"
+        self._label(
+            axes,
+            axis_label(profile.name + place, quantity.unit, exponent),
+            axis_label(profile.line.along, unit, self.length_exponent),
+        )
+
+    def _place(self, line: ProfileLine) -> str:
+        return f"{'x' if line.along == 'y' else 'y'} = {number(line.place, 3)}"
+
+    def series_axes(self, panel: TimePanel) -> None:
+        """Axes of the numbers over time, with their exact values."""
+        rect, series = self.layout.series, panel.series
+        exponents = [axis_exponent(max(map(abs, ends))) for ends in (panel.times, panel.range)]
+        axes = self._axes(rect, panel.times, panel.range)
+        axes.grid(True, linewidth=self.layout.pixels(1))
+        if panel.exact is not None:
+            axes.plot(panel.exact_times, panel.exact, "-", color=self.theme.exact, linewidth=self.layout.pixels(1))
+        for level in panel.levels:
+            axes.axhline(level, color=self.theme.exact, linewidth=self.layout.pixels(1))
+        self._ticks(axes, rect, *exponents)
+        units = self.scene.units.time, unit_label(series.unit, self.scene.units)
+        self._label(axes, axis_label("t", units[0], exponents[0]), axis_label(series.name, units[1], exponents[1]))
+
+    def series_legend(self, panel: TimePanel) -> None:
+        """Names of the numbers in their colours, above their panel."""
+        px, rect = self.layout.pixels, self.layout.series
+        left, row = float(rect.left), rect.top - px(14)
+        for name, colour in zip(panel.labels, panel.colours, strict=True):
+            left = px(16) + self._right_end(self._text(left, row, name, size=14, va="center", color=colour))
+        if np.isfinite(panel.levels).any():
+            self._key_line(left, row, panel.series.level_name)
+
+    def legend(self, quantity: Quantity) -> None:
+        """Key to the profile, above it: data can be anywhere inside."""
+        px, label = self.layout.pixels, self.layout.error_label
+        left, row = self.layout.profile.left, label.top + label.height / 2
+        self.overlay.plot([left + px(6)], [row], "o", color=self.theme.particles, markersize=px(6))
+        particles = self._text(left + px(15), row, "tisph", size=14, va="center")
+        if quantity.profile.exact is None:
+            return
+        self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference)
+
+    def _key_line(self, start: float, row: float, name: str) -> None:
+        """Draw the key to the thin line of exact or steady values, from ``start`` on."""
+        px = self.layout.pixels
+        self.overlay.plot([start, start + px(20)], [row, row], "-", color=self.theme.exact, linewidth=px(2))
+        self._text(start + px(26), row, name, size=14, va="center")
+
+    def titles(self, title: str) -> None:
+        """Write the name of the run at the left, its numbers at the right."""
+        px, layout = self.layout.pixels, self.layout
+        facts = "     ".join(self._facts())
+        right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=self.theme.muted)
+        name = self._text(px(24), px(36), title, size=20, weight="bold")
+        limit = right.get_window_extent().x0 - px(30)
+        while self._right_end(name) > limit and len(title) > 1:
+            title = title[:-1]
+            name.set_text(title + "…")
+
+    def _facts(self) -> list[str]:
+        scene = self.scene
+        facts = [f"Re = {number(scene.reynolds)}", _count(scene)]
+        if scene.polymer:
+            facts.insert(1, f"Wi = {number(scene.weissenberg)}")
+        if scene.vanishing_scale:  # then errors are given as multiples of it
+            facts.insert(0, f"U = {number(scene.reference_velocity)} {unit_label('velocity', scene.units)}")
+        return facts
+
+    def _axes(self, rect: Rect, x_range: tuple[float, float], y_range: tuple[float, float]) -> Axes:
+        width, height = self.layout.width, self.layout.height
+        place = (rect.left / width, 1.0 - rect.bottom / height, rect.width / width, rect.height / height)
+        axes = self.figure.add_axes(place, xlim=x_range, ylim=y_range)
+        for spine in axes.spines.values():
+            spine.set_linewidth(self.layout.pixels(1))
+        return axes
+
+    def _ticks(self, axes: Axes, rect: Rect, x_exponent: int | None, y_exponent: int | None) -> None:
+        """Ticks no closer than their labels are long; an axis whose exponent is None has none."""
+        px = self.layout.pixels
+        axes.tick_params(labelsize=px(13), length=px(4), width=px(1), pad=px(3))
+        for axis, count, exponent in (
+            (axes.xaxis, rect.width // px(58), x_exponent),
+            (axes.yaxis, rect.height // px(36), y_exponent),
+        ):
+            if exponent is None:
+                axis.set_ticks([])
+                continue
+            axis.set_major_locator(MaxNLocator(nbins=int(np.clip(count, 1, 7)), steps=[1, 2, 2.5, 5, 10]))
+            style.format_ticks(axis, exponent)
+
+    def _label(self, axes: Axes, x_text: str | None, y_text: str | None) -> None:
+        """Name the axes; a name that is longer than its axis, and two margins at the side, is written smaller."""
+        size, pad, box = self.layout.pixels(14), self.layout.pixels(4), axes.get_window_extent()
+        for text, write, side, room in (
+            (x_text, axes.set_xlabel, "width", box.width + self.layout.pixels(40)),
+            (y_text, axes.set_ylabel, "height", box.height),
+        ):
+            if text is not None:
+                label: Any = write(text, fontsize=size, labelpad=pad, parse_math=False)
+                while getattr(label.get_window_extent(), side) > room:
+                    label.set_fontsize(0.95 * label.get_fontsize())
+
+    def _text(self, x: float, y: float, text: str, *, size: int, **settings: Any) -> Text:
+        return self.overlay.text(x, y, text, fontsize=self.layout.pixels(size), parse_math=False, **settings)
+
+    def _right_end(self, text: Text) -> float:
+        return text.get_window_extent().x1
+
+    def _bar(self, bar: Rect, **settings: Any) -> None:
+        self.overlay.add_patch(Rectangle((bar.left, bar.top), bar.width, bar.height, **settings))
+
+
+def _count(scene: Any) -> str:
+    """Return how many particles there are, in words."""
+    lattice = f"{scene.columns} {TIMES} {scene.rows}" if not scene.bodies else str(scene.particles)
+    return f"{lattice} particles"
+
 
 _OVERLAYS = {"vectors": Vectors, "streamlines": Streamlines, "tracks": Tracks}
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A snapshot, and what a frame shows of it.
+    """A snapshot, and the quantities that a frame shows.
 
     ``colours`` and ``profile`` (particles,) are the quantities of the field and of the profile panel, ``series`` the
     numbers over time.
@@ -49,14 +258,17 @@ class FrameRenderer:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
     ``scene`` is a ``tisph.scenes._scene.Scene``, ``layout`` its frame, ``video`` the config's ``output.video``,
-    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run. ``frame`` is the last one
-    with an idle byte after each RGB, (height, width, 4): what can be filled and encoded the quickest.
+    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run. ``frame`` is the last
+    frame with an idle byte after each RGB, (height, width, 4), which is the fastest to fill and to encode.
     """
 
-    def __init__(self, scene, layout: Layout, video, title: str, quantity: Quantity, time_panel: TimePanel):
+    def __init__(self, scene: Any, layout: Layout, video: Any, title: str, quantity: Quantity, time_panel: TimePanel):
         self.scene, self.layout, self.quantity, self._time_panel = scene, layout, quantity, time_panel
         labels = wall_labels(scene, layout)
-        self._background = draw_background(scene, layout, title, quantity, time_panel)
+        with style.plot_style(layout.theme):
+            figure: Any = build_figure(scene, layout, title, quantity, time_panel)
+            figure.canvas.draw()
+            self._background = np.asarray(figure.canvas.buffer_rgba()).copy()
         picture = self._background[:, :, :3]
         DriveLabel(scene, layout).paint(picture)
         for label in labels:
@@ -77,7 +289,8 @@ class FrameRenderer:
         frame, picture, snapshot = self.frame, self.frame[:, :, :3], measured.snapshot
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
-        box, shown, values = self.layout.box, snapshot, (measured.colours, measured.profile)
+        box, shown = self.layout.box, snapshot
+        values = [measured.colours, measured.profile]
         if self.scene.axisymmetric:
             shown, values = self.scene.mirrored(snapshot), [np.concatenate([each, each]) for each in values]
         self._fluid.paint(frame[box.slices], shown, *values)
@@ -93,8 +306,8 @@ class FrameRenderer:
         return picture
 
 
-def _overlays(scene, name: str) -> list:
-    """Return what is painted over the fluid, in this order: the overlay of that ``name``, if any, and bodies."""
+def _overlays(scene: Any, name: str) -> list:
+    """Return the classes of the overlays, in the order of painting: overlay ``name``, if any, then bodies."""
     overlays = [_OVERLAYS[name]] if name in _OVERLAYS else []
     overlays += [Solids] if scene.bodies else []
     return [*overlays, BodyTracks] if name == "tracks" and scene.has_free_bodies else overlays
@@ -113,7 +326,7 @@ class FullCut:
     ``half`` is the scene, ``sides``: of a body that is in one half alone 1 or -1, the sign of y there, else 0.
     """
 
-    def __init__(self, scene):
+    def __init__(self, scene: Any):
         self.half, radius = scene, scene.outer_radius
         self.origin, self.extent = (scene.origin[0], -radius), (scene.extent[0], 2.0 * radius)
         found = []  # number, side and body
@@ -122,31 +335,34 @@ class FullCut:
             found += [(index, 0.0, body)] if whole else [(index, 1.0, body), (index, -1.0, _mirrored(body))]
         self._sources, self.sides, self.bodies = zip(*found, strict=True)
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         return getattr(self.half, name)
 
-    def seen(self, snapshot):
+    def seen(self, snapshot: Snapshot) -> "FullCut":
         """See ``Scene.seen``."""
         return FullCut(self.half.seen(snapshot)) if self.has_free_bodies else self
 
-    def mirrored(self, snapshot):
+    def mirrored(self, snapshot: Snapshot) -> Snapshot:
         """``snapshot`` with the mirror image of each particle after all of them, and its bodies with theirs."""
         values = {each.name: getattr(snapshot, each.name) for each in fields(snapshot)}
-        double = {
+        double: dict[str, Any] = {
             name: np.concatenate([array, -array if name in _ODD else array])
             for name, array in values.items()
             if isinstance(array, np.ndarray)
         }
-        given, chosen, sides = snapshot.bodies, list(self._sources), np.where(np.array(self.sides) < 0.0, -1.0, 1.0)
+        given: Any = snapshot.bodies
+        chosen, sides = list(self._sources), np.where(np.array(self.sides) < 0.0, -1.0, 1.0)
         ways = np.stack([np.ones_like(sides), sides], axis=1)
         moved = {name: getattr(given, name)[chosen] * ways for name in ("centre", "velocity")}
         turned = {name: getattr(given, name)[chosen] * sides for name in ("angle", "angular_velocity")}
         return replace(snapshot, **double, reference=None, bodies=replace(given, **moved, **turned))
 
 
-def _mirrored(body):
+def _mirrored(body: Body) -> Body:
     """The mirror image of a ``body``: of a closed one by a polygon through points on it."""
-    across, shape = np.array([1.0, -1.0]), body.shape
+    across = np.array([1.0, -1.0])
+    shape: Any = body.shape
+    image: Any
     if shape.area:
         outline = shape.boundary_points(shape.length / _POINTS).point * across
         image = Polygon(outline.tolist(), fluid_side=shape.fluid_side)
@@ -163,11 +379,11 @@ class Movie:
     Where exact values tell the ranges of axes and colours, a frame is drawn when it is added; else its snapshot waits
     in a temporary file until the movie is closed and all ranges are known. The movie's own file is opened by the first
     frame that is drawn, so a Movie that only serves ``save_frame`` writes none. As a context manager it closes the file
-    whatever happens: what was added by then can be played.
+    also after an error: the frames up to then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
-    def __init__(self, path: Path | str, scene, video, title: str, end: float):
+    def __init__(self, path: Path | str, scene: Any, video: Any, title: str, end: float):
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
         self._dyed = video.color_by == "dye"
@@ -175,7 +391,8 @@ class Movie:
         self._view = scene.movie_view("speed" if self._dyed else video.color_by, end)
         if self._dyed:
             self._view = replace(self._view, name="", of=Dye(scene, video.dye).of)
-        self._waiting, self._ranges = None, None
+        self._waiting: Any = None
+        self._ranges: _Ranges | None = None
         self._renderer: FrameRenderer | None = None
         self._encoder: Encoder | None = None
         if self._view.ends and exact_values(self._series, np.array([end])) is not None:
@@ -192,75 +409,77 @@ class Movie:
             renderer = self._new_renderer(ranges)
         return renderer.render(measured).copy()
 
-    def save_frame(self, path: Path | str, snapshot: Snapshot) -> None:
-        """Write the picture of ``snapshot`` as PNG."""
+    def save_frame(self, path: Path | str | BytesIO, snapshot: Snapshot) -> None:
+        """Write the picture of ``snapshot`` as PNG to a path or an open file."""
         Image.fromarray(self.frame(snapshot)).save(path, format="PNG", optimize=True)
 
     def add(self, snapshot: Snapshot) -> None:
         """Append the picture of ``snapshot`` to the movie."""
         measured = self._measured(snapshot)
         if self._renderer:
-            self._draw(measured)
+            self._draw(self._renderer, measured)
             return
-        if self._waiting is None:
-            line = self._view.profile.line
-            self._waiting, self._ranges = tempfile.TemporaryFile(), _Ranges(line)  # noqa: SIM115 (lives until ``close``)
+        if self._ranges is None:
+            self._waiting = tempfile.TemporaryFile()  # noqa: SIM115 (lives until ``close``)
+            self._ranges = _Ranges(self._view.profile.line)
         self._ranges.add(measured)
         pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
     def close(self) -> None:
-        """Draw what waits and finish the file. May be called again, and does nothing then."""
+        """Draw the waiting snapshots and finish the file. A second call does nothing."""
         waiting, self._waiting = self._waiting, None
         try:
-            if waiting:
+            if waiting and self._ranges:
                 self._renderer = self._new_renderer(self._ranges)
                 waiting.seek(0)
                 for _ in range(self._ranges.count):
-                    self._draw(pickle.load(waiting))
+                    self._draw(self._renderer, pickle.load(waiting))
         finally:
             if waiting:
                 waiting.close()
             if self._encoder is not None:
                 self._encoder.close()
 
-    def _measured(self, snapshot):
+    def _measured(self, snapshot: Snapshot) -> Measured:
         view = self._view
         colours = view.of(snapshot)
         profile = colours if view.profile.of is view.of else view.profile.of(snapshot)
         return Measured(snapshot, colours, profile, measured(self._series, snapshot))
 
-    def _new_renderer(self, ranges):
+    def _new_renderer(self, ranges: "_Ranges | None") -> FrameRenderer:
         scene = FullCut(self._scene) if self._scene.axisymmetric else self._scene
         layout = arrange(scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
-        ends = ranges and (ranges.colours.ends, ranges.profile.ends)
+        ends = (ranges.colours.ends, ranges.profile.ends) if ranges else None
         shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, ends)
         shown = replace(shown, colour_map=style.DYE_MAP) if self._dyed else shown
-        panel = TimePanel(scene, layout, self._series, self._end, ranges and ranges.series.ends)
+        panel = TimePanel(scene, layout, self._series, self._end, ranges.series.ends if ranges else None)
         return FrameRenderer(scene, layout, self._video, self._title, shown, panel)
 
-    def _draw(self, measured):
+    def _draw(self, renderer: FrameRenderer, measured: Measured) -> None:
         if self._encoder is None:
             self._encoder = Encoder(self.path, self._video.width, self._video.height, self._video.fps)
-        self._renderer.render(measured)
-        self._encoder.write(self._renderer.frame)
+        renderer.render(measured)
+        self._encoder.write(renderer.frame)
 
     def __enter__(self) -> "Movie":
         return self
 
-    def __exit__(self, kind, error, trace) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         # An error on its way out is the message to show: a broken movie must not hide it.
         with contextlib.suppress(TisphError) if kind else contextlib.nullcontext():
             self.close()
 
 
 class _Ranges:
-    """Ranges of what frames show, the profile along ``line``, and how many frames there are."""
+    """Ranges of colours, of the profile along ``line`` and of the series over the frames, and the number of frames."""
 
-    def __init__(self, line):
+    def __init__(self, line: ProfileLine):
         self.colours, self.profile, self.series = Extremes(), Extremes(whole=True), Extremes(whole=True)
         self._line, self.count = line, 0
 
-    def add(self, measured):
+    def add(self, measured: Measured) -> None:
         """Take a frame."""
         self.count += 1
         self.colours.add(measured.colours)

@@ -16,6 +16,7 @@ an even grid. Lines are dark with a light rim, which is seen on any colour.
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -50,21 +51,22 @@ _MARK_LENGTH = 0.5 * RIM  # length of a mark over the longer side of the box
 class Solids:
     """Paints the bodies of ``scene`` where each snapshot says that they are, through periodic seams."""
 
-    def __init__(self, scene, layout: Layout):
+    def __init__(self, scene: Any, layout: Layout):
         self._layout = layout
         self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
         self._solids = [_kind(body)(body, layout, _MARK_LENGTH * max(scene.extent)) for body in scene.bodies]
-        self._position = self._covers = None
+        self._position: tuple[bytes, bytes] | None = None
+        self._covers: Any = None
         above = np.arange(self._shape[0])[:, None] < layout.pixel_positions(0.0, 0.0)[1]
         halves = {0.0: above >= 0, 1.0: above, -1.0: ~above}
         self._parts = [halves[side] for side in getattr(scene, "sides", [0.0] * len(scene.bodies))]
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the bodies of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        bodies = snapshot.bodies
+        bodies: Any = snapshot.bodies
         position = bodies.centre.tobytes(), bodies.angle.tobytes()
-        if position != self._position:  # what stands still is drawn once
+        if position != self._position:  # resting bodies are drawn once
             self._position, self._covers = position, self._cover(bodies)
         within, rims, lines = self._covers
         solid, edge = style.rgb(self._layout.theme.solid), style.rgb(self._layout.theme.solid_edge)
@@ -95,10 +97,11 @@ class _ImmersedBody:
         boundary = body.shape.boundary_points(_PIECE / layout.pixels_per_length)
         self._edge = boundary.point
         self._strokes = [np.concatenate([self._edge, self._edge[:1]])]
-        if body.motion.rotation.largest_speed or (body.free and not body.motion.inertia.held[2]):
+        motion: Any = body.motion
+        if motion.rotation.largest_speed or (body.free and not motion.inertia.held[2]):
             self._strokes.append(self._mark(boundary, mark))
 
-    def _mark(self, boundary, mark):
+    def _mark(self, boundary: Any, mark: float) -> np.ndarray:
         """Return the line (2, 2) that shows how the body rotates."""
         return np.stack([np.zeros(2), boundary.point[0]])
 
@@ -117,7 +120,7 @@ class _ContainerWall(_ImmersedBody):
 
     encloses = False
 
-    def _mark(self, boundary, mark):
+    def _mark(self, boundary: Any, mark: float) -> np.ndarray:
         return np.stack([boundary.point[0], boundary.point[0] - mark * boundary.normal[0]])
 
 
@@ -127,7 +130,9 @@ class _StraightWall:
     encloses = True
 
     def __init__(self, body: Body, layout: Layout, mark: float):
-        self.body, self._mark = body, -mark * body.shape.normal
+        self.body: Any = body
+        shape: Any = body.shape
+        self._mark = -mark * shape.normal
 
     def drawn(self, centre: np.ndarray, angle: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
         """Yield edge and lines; marks that have left one end of the period are at the other."""
@@ -143,7 +148,7 @@ class _StraightWall:
         yield place.to_lab_frame(edge), [place.to_lab_frame(stroke) for stroke in strokes]
 
 
-def _kind(body: Body):
+def _kind(body: Body) -> type[Any]:
     """Return the class of a body."""
     if not body.shape.area:
         return _StraightWall
@@ -161,8 +166,9 @@ class Tracks:
 
     width = 1.0  # of lines and dots
 
-    def __init__(self, scene, layout: Layout):
-        self._scene, self._layout, self._seen = scene, layout, {}
+    def __init__(self, scene: Any, layout: Layout):
+        self._scene, self._layout = scene, layout
+        self._seen: dict[float, np.ndarray] = {}
         self._strokes = Strokes(self.width * layout.scale, layout.box.shape)
         self._head = Discs(self.width * _DOT * layout.scale, layout.box.shape)
 
@@ -175,12 +181,12 @@ class Tracks:
         self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T) for piece in pieces))
         blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T)), style.rgb(INK))
 
-    def _places(self, snapshot):
+    def _places(self, snapshot: Snapshot) -> np.ndarray:
         """Return where they are (n, 2), in the box."""
         chosen = style.evenly_chosen(len(snapshot.x), _PARTICLES)
         return np.stack([snapshot.x[chosen], snapshot.y[chosen]], axis=1).astype(float)
 
-    def _pieces(self, path):
+    def _pieces(self, path: np.ndarray) -> list[np.ndarray]:
         """Return a path (frames, 2) in pieces between the sides through which it has left the box."""
         path = path[np.isfinite(path).all(axis=1)]
         jumps = np.abs(np.diff(path, axis=0)) > 0.5 * np.array(self._scene.extent)
@@ -192,13 +198,14 @@ class BodyTracks(Tracks):
 
     width = _BODIES
 
-    def __init__(self, scene, layout: Layout):
+    def __init__(self, scene: Any, layout: Layout):
         super().__init__(scene, layout)
         self._free = [index for index, body in enumerate(scene.bodies) if body.free]
 
-    def _places(self, snapshot):
+    def _places(self, snapshot: Snapshot) -> np.ndarray:
         """Return where their centres are (n, 2), in the box."""
-        centre, low = snapshot.bodies.centre[self._free], np.array(self._scene.origin)
+        bodies: Any = snapshot.bodies
+        centre, low = bodies.centre[self._free], np.array(self._scene.origin)
         return np.where(self._scene.periodic, low + (centre - low) % self._scene.extent, centre)
 
 
@@ -216,7 +223,7 @@ _TIP = 0.34  # pitches: length of the head of a long arrow
 class Vectors:
     """Paints arrows into the box of ``scene``; the longest is nearly twice as long as their distance."""
 
-    def __init__(self, scene, layout: Layout):
+    def __init__(self, scene: Any, layout: Layout):
         self._scene, self._layout = scene, layout
         self._pitch = max(1.0, _PITCH * layout.scale)
         self._rim = Discs(max(0.5, _RIM * layout.scale), layout.box.shape)
@@ -246,7 +253,9 @@ class Vectors:
         blend(panel, filled((corners[:, :, 0], corners[:, :, 1]), panel.shape[:2]), style.rgb(INK))
 
 
-def mean_velocity(scene, places, velocity, points):
+def mean_velocity(
+    scene: Any, places: np.ndarray, velocity: np.ndarray, points: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean of ``velocity`` (n, 2) at the nearest of ``places`` (n, 2) around ``points`` (m, 2).
 
     And the distance (m,) of the very nearest. The nearer, the more one counts.
@@ -282,7 +291,7 @@ _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that o
 class Streamlines:
     """Paints lines into the box of ``scene``, of even width."""
 
-    def __init__(self, scene, layout: Layout):
+    def __init__(self, scene: Any, layout: Layout):
         self._scene, self._layout = scene, layout
         self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
@@ -290,7 +299,9 @@ class Streamlines:
         self._axes = [np.linspace(*ends, 2 + int(np.diff(ends)[0] / pitch)) for ends in zip(low, high, strict=True)]
         self._nodes = np.stack(np.meshgrid(*self._axes), axis=2)  # (rows, columns, 2)
         self._pitch = np.array([axis[1] - axis[0] for axis in self._axes])
-        self._wet = self._difference = self._factors = None
+        self._wet: Any = None
+        self._difference: Any = None
+        self._factors: Any = None
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the lines of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
@@ -314,11 +325,12 @@ class Streamlines:
         least, most = psi[depth >= 0.0].min(), psi[depth >= 0.0].max()
         if most - least < _RESTING * self._scene.reference_velocity * min(self._scene.extent):
             return []
-        contours = contour_generator(*self._axes, np.ma.array(psi, mask=~self._wet), line_type=LineType.Separate)
+        x, y = self._axes
+        contours: Any = contour_generator(x, y, np.ma.array(psi, mask=~self._wet), line_type=LineType.Separate)
         levels = least + (np.arange(_LINES) + 0.5) / _LINES * (most - least)
         return [line for level in levels for line in contours.lines(level)]
 
-    def _depth(self, snapshot):
+    def _depth(self, snapshot: Snapshot) -> np.ndarray:
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""
         depth, scene = np.full(self._nodes.shape[:2], np.inf), self._scene.seen(snapshot)
         for body, side in zip(scene.bodies, getattr(scene, "sides", [0.0] * len(scene.bodies)), strict=True):
@@ -326,7 +338,7 @@ class Streamlines:
             depth = np.minimum(depth, np.where(side * self._nodes[:, :, 1] < 0.0, np.inf, distance))
         return depth
 
-    def _prepare(self, wet):
+    def _prepare(self, wet: np.ndarray) -> None:
         """Factorise the sums of squares between the nodes that are ``wet``, unless they are the last ones."""
         from scipy.sparse import coo_matrix, identity
         from scipy.sparse.linalg import splu
@@ -335,10 +347,11 @@ class Streamlines:
             return
         self._wet, count = wet, int(wet.sum())
         number = np.cumsum(wet.ravel()).reshape(wet.shape) - 1
+        neighbours: tuple[Any, ...] = ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:]))
         ends = []
-        for first, second in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
-            both = wet[first] & wet[second]
-            ends.append((number[first][both], number[second][both]))
+        for one_side, other_side in neighbours:
+            both = wet[one_side] & wet[other_side]
+            ends.append((number[one_side][both], number[other_side][both]))
         first, second = (np.concatenate(part) for part in zip(*ends, strict=True))
         edge, one = np.arange(len(first)), np.ones(len(first))
         ways = np.concatenate([edge, edge]), np.concatenate([second, first])
@@ -347,7 +360,7 @@ class Streamlines:
         sums = self._difference.T @ self._difference + 1e-9 * identity(count)
         self._factors = splu(sums.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
-    def _stream_function(self, flow):
+    def _stream_function(self, flow: np.ndarray) -> np.ndarray:
         """Return psi (rows, columns) of velocities (rows, columns, 2), 0 at nodes that are dry."""
         wet, (along, across) = self._wet, self._pitch
         right = -0.5 * along * (flow[:, :-1, 1] + flow[:, 1:, 1])[wet[:, :-1] & wet[:, 1:]]

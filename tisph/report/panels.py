@@ -1,5 +1,7 @@
 """Panels of a movie frame: numbers of the run that grow with time, and the live profile with its line in the fluid."""
 
+from typing import Any
+
 import numpy as np
 
 from tisph.report import style
@@ -8,8 +10,8 @@ from tisph.report.labels import number
 from tisph.report.layout import Layout
 from tisph.report.overlays import Strokes
 from tisph.report.quantities import Ends, Extremes, Quantity, with_margin
-from tisph.report.raster import Discs, blend, dense_line, dense_lines
-from tisph.scenes._views import TimeSeries
+from tisph.report.raster import Discs, Points, blend, dense_line, dense_lines
+from tisph.scenes._views import Line, TimeSeries
 from tisph.snapshot import Snapshot
 
 _NUMBERS = 3  # that are drawn: as many as have colours
@@ -19,11 +21,11 @@ _EXACT_TIMES = 200
 class TimePanel:
     """The first numbers of ``series`` over a run to time ``end``, as lines that end at the time of each frame.
 
-    ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): what they come to
-    in the steady state, where no exact values are known and those are; NaN for those that are not.
+    ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): values in the
+    steady state, used where no exact values are known; NaN where unknown.
     """
 
-    def __init__(self, scene, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
+    def __init__(self, scene: Any, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
         self.series, self.times = series, (scene.start_time, end)
         self.colours = layout.theme.series[: len(series.columns)]
         self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
@@ -33,13 +35,14 @@ class TimePanel:
         self.levels = _scaled(series, levels) if len(levels) else levels
         within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
         self.range = with_margin((min(within), max(within)), 1.0)
-        self._layout, self._seen = layout, {}
+        self._layout = layout
+        self._seen: dict[float, np.ndarray] = {}
         self._pen = Discs(max(0.6, 1.3 * layout.scale), layout.series.inner.shape)
 
     @property
     def labels(self) -> list[str]:
         """Names of the numbers."""
-        pairs = self.series.labels[:_NUMBERS]
+        pairs: Any = self.series.labels[:_NUMBERS]
         return [name if place is None else f"{name} = {number(place, 3)}" for name, place in pairs]
 
     def paint(self, picture: np.ndarray, t: float, values: np.ndarray) -> None:
@@ -54,14 +57,14 @@ class TimePanel:
                 line = dense_line(self._pixels(times[known], values[known]))
                 blend(panel, self._pen.cover(line), style.rgb(colour))
 
-    def _pixels(self, times, values):
+    def _pixels(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         (first, last), (low, high), rect = self.times, self.range, self._layout.series
         row = (high - values) / (high - low) * rect.height - 1.0
         return (times - first) / (last - first) * rect.width - 1.0, np.clip(row, -rect.height, 2 * rect.height)
 
-    def _exact_ends(self):
+    def _exact_ends(self) -> Ends:
         extremes = Extremes(whole=True)
-        for values in self.exact:
+        for values in () if self.exact is None else self.exact:
             extremes.add(values)
         return extremes.ends
 
@@ -72,12 +75,12 @@ def exact_values(series: TimeSeries, times: np.ndarray) -> np.ndarray | None:
     return None if exact is None else _scaled(series, exact)
 
 
-def measured(series: TimeSeries, snapshot) -> np.ndarray:
+def measured(series: TimeSeries, snapshot: Snapshot) -> np.ndarray:
     """Return the numbers of a snapshot as they are drawn."""
     return _scaled(series, series.measure(snapshot))
 
 
-def _scaled(series, values):
+def _scaled(series: TimeSeries, values: np.ndarray) -> np.ndarray:
     return values / np.array(series.sizes)[: np.shape(values)[-1]] if series.sizes else values
 
 
@@ -92,7 +95,7 @@ class ProfilePanel:
     The grid is fitted to the values of the profile (``report/field.py``).
     """
 
-    def __init__(self, scene, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
+    def __init__(self, scene: Any, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
         self._scene, self._layout, self._quantity, self._grid = scene, layout, quantity, grid
         line, scale, inside = quantity.profile.line, layout.scale, layout.profile.inner.shape
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
@@ -118,7 +121,7 @@ class ProfilePanel:
             curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
 
-    def _curve(self, values, coordinates, snapshot):
+    def _curve(self, values: np.ndarray, coordinates: np.ndarray, snapshot: Snapshot) -> Points:
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""
         half = getattr(self._scene, "half", self._scene)
         wet = self._quantity.profile.line.in_fluid(half.seen(snapshot), coordinates, snapshot.t)
@@ -134,7 +137,7 @@ class ProfilePanel:
         column = np.clip(column, -rect.width, 2 * rect.width)  # an exact curve may go to infinity
         return column, (1.0 - (along - first) / (last - first)) * rect.height - 1.0
 
-    def _mark_of(self, line):
+    def _mark_of(self, line: Line) -> Points:
         """Return points of a dashed line where the profile is taken."""
         ends = [np.broadcast_to(place, 2) for place in line.points(np.array(line.ends))]
         column, row = dense_line(self._layout.pixel_positions(*ends))

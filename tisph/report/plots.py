@@ -4,7 +4,9 @@ The room for labels and legend is computed here: matplotlib's constrained layout
 measures everything twice, and matplotlib prepares all ticks again for each measurement.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +18,7 @@ from matplotlib.ticker import FuncFormatter
 from tisph.measures.resolution import resolution
 from tisph.report import style
 from tisph.report.labels import MINUS, axis_exponent, axis_label, error_label, number, unit_label
-from tisph.scenes._views import Profile
+from tisph.scenes._views import Profile, TimeSeries
 from tisph.snapshot import Snapshot
 
 _MARKERS = 40  # a number, on its exact curve
@@ -27,23 +29,23 @@ _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
-_MARGIN = 0.1  # of the axis, beyond what is resolved
+_MARGIN = 0.1  # of the range of the resolved values, at both ends of the axis
 _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
 
 def history_figure(
-    scene, settings: dict, times: np.ndarray, values: np.ndarray, resolved: np.ndarray | None = None
+    scene: Any, settings: dict, times: np.ndarray, values: np.ndarray, resolved: np.ndarray | None = None
 ) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time: markers on their exact history, or lines where it has none.
 
-    ``settings`` are those of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
+    ``settings``: arguments of ``scene.time_series``; ``times`` (n,) and ``values`` (n, numbers) are in the units of the
     scene. Each kind of number has axes of its own. Of more than twelve numbers the legend names twelve, evenly chosen.
-    Times at which the flow is not ``resolved`` (n,) are shaded; None for what the scene knows of that.
+    Times at which the flow is not ``resolved`` (n,) are shaded; if None, the scene decides where it is resolved.
     """
     series = scene.time_series(**settings)
     if resolved is None:
         resolved = np.array([resolution(scene, t)[0] for t in times])
-    panels = list(series.panels or [(series.name, series.unit)] * values.shape[1])
+    panels: list[Any] = list(series.panels or [(series.name, series.unit)] * values.shape[1])
     kinds = [kind for kind in dict.fromkeys(panels) if kind]
     columns = 2 if len(kinds) > 3 else 1
     rows = -(-len(kinds) // columns)
@@ -66,7 +68,9 @@ def history_figure(
     return figure
 
 
-def _exact_lines(axes, series, chosen, times, values, resolved):
+def _exact_lines(
+    axes: Axes, series: TimeSeries, chosen: list[int], times: np.ndarray, values: np.ndarray, resolved: np.ndarray
+) -> None:
     """Draw the numbers ``chosen`` as markers on their exact curves, the legend from top to bottom, as in a channel."""
     periods = series.angular_frequency * (times[-1] - times[0]) / (2.0 * np.pi)
     shown = style.evenly_chosen(len(times), max(_MARKERS, round(_MARKERS_A_PERIOD * periods)))
@@ -85,7 +89,9 @@ def _exact_lines(axes, series, chosen, times, values, resolved):
         _fit_to_what_is_resolved(axes, resolved, values[:, chosen])
 
 
-def _lines(axes, series, chosen, times, values, resolved):
+def _lines(
+    axes: Axes, series: TimeSeries, chosen: list[int], times: np.ndarray, values: np.ndarray, resolved: np.ndarray
+) -> None:
     """Draw the numbers ``chosen`` as lines; those that lie on each other have their few markers at different times."""
     panels = series.panels or series.labels
     texts = list(dict.fromkeys(_label(*label) for label, panel in zip(series.labels, panels, strict=True) if panel))
@@ -103,7 +109,8 @@ def _lines(axes, series, chosen, times, values, resolved):
     if series.panels:  # of a force one wants to see how far it is from none, of a place how it changes
         least = _SMALLEST * max(series.sizes[index] for index in chosen)
         low, high = axes.get_ylim()
-        kind = series.panels[chosen[0]][1]
+        panel: Any = series.panels[chosen[0]]
+        kind = panel[1]
         middle = 0.5 * (low + high) if kind in ("length", "angle") else 0.0
         ends = [0.0 if kind == "energy" else middle - least, middle + least, *(1.05 * level for level in known)]
         axes.set_ylim(min(low, *ends), max(high, *ends))
@@ -113,7 +120,7 @@ def _label(name: str, place: float | None) -> str:
     return name if place is None else f"{name} = {number(place, 3)}"
 
 
-def _mark_unresolved(axes, times: np.ndarray, resolved: np.ndarray, label: str | None) -> None:
+def _mark_unresolved(axes: Axes, times: np.ndarray, resolved: np.ndarray, label: str | None) -> None:
     """Shade the times between which the flow has a layer, or a gap, that is too thin for the particles."""
     edges = np.flatnonzero(np.diff(np.concatenate([[True], resolved, [True]])))
     for first, end in edges.reshape(-1, 2):
@@ -121,7 +128,7 @@ def _mark_unresolved(axes, times: np.ndarray, resolved: np.ndarray, label: str |
             axes.axvspan(times[first], times[end - 1], color=style.MUTED, alpha=0.2, linewidth=0, label=label)
 
 
-def _fit_to_what_is_resolved(axes, resolved: np.ndarray, values: np.ndarray) -> None:
+def _fit_to_what_is_resolved(axes: Axes, resolved: np.ndarray, values: np.ndarray) -> None:
     """Let the axis show numbers at times at which the flow is resolved, and smaller ones, not an infinite start."""
     values = np.where(np.isfinite(values), values, np.nan)
     if any(resolved):
@@ -139,7 +146,7 @@ def _curve_times(first: float, last: float, periods: float) -> np.ndarray:
     return np.union1d(early, even)
 
 
-def _label_axes(axes, scene, kind: tuple[str, str], latest: float) -> None:
+def _label_axes(axes: Axes, scene: Any, kind: tuple[str, str], latest: float) -> None:
     name, unit = kind
     time_exponent, exponent = axis_exponent(latest), axis_exponent(max(map(abs, axes.get_ylim())))
     axes.set_xlabel(axis_label("t", scene.units.time, time_exponent), parse_math=False)
@@ -161,7 +168,7 @@ Panel = tuple[Profile, bool]
 """A profile, and whether its error over its scale is shown."""
 
 
-def profile_figure(scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
+def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
     """Return the profiles of ``scene`` at every snapshot with the exact curves, and their errors.
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
@@ -206,8 +213,9 @@ def _looks(count: int) -> list[dict]:
     ]
 
 
-def _plot(axes: Axes, scene, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
+def _plot(axes: Axes, scene: Any, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
     """Draw one sample into one panel; return its dots."""
+    profile: Any
     profile, error = panel
     chosen = profile.line.particles(snapshot)
     chosen = chosen[style.evenly_chosen(len(chosen), _DOTS)]
@@ -225,8 +233,9 @@ def _plot(axes: Axes, scene, panel: Panel, snapshot: Snapshot, look: dict) -> Li
     return dots
 
 
-def _label_profile_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) -> None:
-    for index, (one, (profile, error)) in enumerate(zip(axes, panels, strict=False)):
+def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: Any) -> None:
+    shown: Any = zip(axes, panels, strict=False)
+    for index, (one, (profile, error)) in enumerate(shown):
         name, unit = profile.name, unit_label(profile.unit, scene.units)
         if error:
             name, unit = f"({name} {MINUS} {name} {profile.reference}) / {profile.scale[1]}", ""
@@ -246,8 +255,8 @@ def _label_profile_axes(axes: Sequence[Axes], panels: Sequence[Panel], scene) ->
             one.set_ylabel(axis_label(line.along, scene.units.length, exponent), parse_math=False)
 
 
-RUN = {"color": style.PARTICLES}
-STYLES = {
+RUN: dict[str, Any] = {"color": style.PARTICLES}
+STYLES: dict[str, dict[str, Any]] = {
     ".": {**RUN, "marker": "o", "linewidth": 2.5, "markersize": 5, "markevery": 0.06},
     **{mark: {**RUN, "marker": mark, "linestyle": "none"} for mark in "xo"},
     **{mark: {"color": style.TEXT, "marker": mark, "linestyle": "none"} for mark in "+s"},
@@ -261,15 +270,15 @@ DEPTH = 1e-4
 """Of the largest value, the smallest that logarithmic axes show: where a stress changes its sign they have no end."""
 
 
-def _between(value):
+def _between(value: float) -> str:
     """The text of a tick between powers of ten: of 2 and 5 times one."""
     return number(value, 1) if f"{value:.0e}"[0] in "25" else ""
 
 
-def plot_reading(path, name, reading, units):
+def plot_reading(path: Path, name: str, reading: Any, units: Any) -> None:
     """Write a PNG of the curves of a ``measures.rheometry.Reading``, a row of axes for each of its ``Axes``.
 
-    ``units`` are those of the config.
+    ``units``: labels of the units of the config.
     """
     rows = list(dict.fromkeys(curve[0] for curve in reading.curves))
     with style.plot_style():
@@ -307,7 +316,8 @@ def set_margins(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool
     The legend is at the right, or ``below``. Axes of a column, and of a row, have the same room around them.
     """
     pad, (width, height) = _PAD * figure.dpi, figure.bbox.size
-    renderer = figure.canvas.get_renderer()
+    canvas: Any = figure.canvas
+    renderer = canvas.get_renderer()
     around = (
         np.array([[_room_for_labels(one, renderer) for one in row] for row in axes]) + pad
     )  # left, bottom, right, top
@@ -324,10 +334,10 @@ def set_margins(figure: Figure, axes: np.ndarray, legend: Legend, *, below: bool
         axes[row, column].set_position((x / width, y / height, across / width, down / height))
 
 
-def _room_for_labels(axes: Axes, renderer) -> tuple[float, float, float, float]:
+def _room_for_labels(axes: Axes, renderer: Any) -> tuple[float, float, float, float]:
     """Return how far ticks and labels stand out of ``axes`` at the left, bottom, right and top, in pixels."""
-    inner, boxes = axes.bbox, [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis)]
-    boxes = [inner, *(box for box in boxes if box)]
+    inner, tight = axes.bbox, [axis.get_tightbbox(renderer) for axis in (axes.xaxis, axes.yaxis)]
+    boxes = [inner, *(box for box in tight if box)]
     return (
         inner.x0 - min(box.x0 for box in boxes),
         inner.y0 - min(box.y0 for box in boxes),

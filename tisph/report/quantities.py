@@ -1,8 +1,9 @@
-"""What colours the fluid of a movie and fills its profile panel, with names, units and ranges over the run."""
+"""The quantity of the colours and of the profile panel of a movie, with names, units and ranges over the run."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Colormap
@@ -37,21 +38,24 @@ class Quantity:
     error: tuple[str, str] | None
 
 
-def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None) -> Quantity:
-    """Return what ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
+def quantity(
+    view: MovieView, scene: Any, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None
+) -> Quantity:
+    """Return the quantity that ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
 
     ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
     """
-    colours, along = ends or (view.ends, view.ends)
+    colours, along = ends or (view.ends or (0.0, 0.0), view.ends or (0.0, 0.0))
     largest = _largest(colours)
     signed = view.signed and min(colours) < -_ROUNDING * largest
     diverging = signed and max(colours) > _ROUNDING * largest
     automatic = (-largest if signed else 0.0, largest if diverging or not signed else 0.0)
+    low, high = automatic if isinstance(limits, str) else limits
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),
         colour_name=view.name,
         colour_map=style.DIVERGING_MAP if diverging else style.COLOUR_MAP,
-        colour_range=automatic if limits == "auto" else tuple(limits),
+        colour_range=(low, high),
         profile=view.profile,
         profile_range=with_margin((min(0.0, *along), max(0.0, *along)), largest),
         error=view.error,
@@ -61,11 +65,12 @@ def quantity(view: MovieView, scene, limits: str | Sequence[float], ends: tuple[
 class Extremes:
     """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out.
 
-    With ``whole`` all values of a frame count: those of a curve, not of a field.
+    With ``whole`` all values of a frame count, as for a curve; a field has outliers.
     """
 
     def __init__(self, whole: bool = False):
-        self._least, self._most = [], []
+        self._least: list[float] = []
+        self._most: list[float] = []
         self._values, self._frames = (1.0, _WHOLE) if whole else (_SHARE, _FRAMES)
 
     def add(self, values: np.ndarray) -> None:

@@ -17,11 +17,11 @@ Part = tuple[slice, np.ndarray, np.ndarray]
 
 PLACES = 16  # of a disc in a pixel, along each direction
 LEVELS = 255  # of coverage
-STRIPS = 16  # of a pixel row, each of which an area covers up to where its outline crosses the middle of it
+STRIPS = 16  # of a pixel row; an area covers a strip up to the point where its outline crosses the middle line
 SHARES = 4095  # levels of the value under a disc
 VALUE_BITS = 22  # coverages and values times coverage are added up in one number: above and below this bit
 _SUM_BITS = 32  # of that number, or less: room for four discs on each other
-_SHADE_BITS = 20  # of them, the highest: what a shade is looked up by
+_SHADE_BITS = 20  # the highest of these bits, the index of the table of shades
 _COARSEST = 7  # times that coverages may be halved
 _CHUNK = 65536  # pixels touched at a time: work arrays that stay in the cache, about three times faster
 _BAND = 32  # pixel rows at a time, likewise
@@ -34,7 +34,7 @@ class Discs:
         self.panel, self._reach = shape, radius + 0.5
         self._side = math.ceil(2.0 * radius + 1.0) + 1  # pixels that a disc may touch along each direction
         self._margined = (shape[0] + 2 * self._side, shape[1] + 2 * self._side)
-        self._before = math.ceil(radius + 0.5)  # pixels from the first of them to that of the centre
+        self._before = math.ceil(radius + 0.5)  # pixels from the first touched pixel to the pixel of the centre
         places = (np.arange(PLACES) + 0.5) / PLACES + self._before
         distance = np.square(np.arange(self._side) + 0.5 - places[:, None])
         distance = np.sqrt(distance[:, None, :, None] + distance[None, :, None, :]).reshape(PLACES**2, -1)
@@ -48,13 +48,14 @@ class Discs:
     def sums(self, points: Points, value: np.ndarray, *, periodic: tuple[bool, bool]) -> tuple[np.ndarray, int]:
         """Return a whole number for every pixel of the panel, and the ``full`` coverage of one that a disc covers.
 
-        The number is the sum of coverages, times 2^VALUE_BITS, plus that of coverages times values in SHARES. Its mean
-        value does not depend on which disc is drawn last. Full coverage is LEVELS; where more discs meet than there
-        is room for, all coverages of the picture are coarser, and many hundreds are cut off. What leaves the panel at
-        one side enters at the other where it is ``periodic``, along columns and along rows; else it is cut off.
+        The number is 2^VALUE_BITS * (sum of coverages) + (sum of coverages * values in SHARES). The mean value does not
+        depend on the order of the discs. Full coverage is LEVELS; where too many discs meet for the bits of the sum,
+        all coverages of the picture are coarser, and sums of many hundreds of discs are cut off. Along ``periodic``
+        directions (columns, rows) discs that leave the panel at one side enter at the other; else they are cut off.
         """
-        kept = self._touching(points)
-        kept, weight = (points[0][kept], points[1][kept]), np.rint(SHARES * value[kept]).astype(np.int64)
+        touching = self._touching(points)
+        kept = points[0][touching], points[1][touching]
+        weight = np.rint(SHARES * value[touching]).astype(np.int64)
         weight += 1 << VALUE_BITS
         total = self._added(kept, weight, self._stamps, periodic)
         coarser = min(int(total.max() >> _SUM_BITS).bit_length(), _COARSEST)
@@ -110,7 +111,7 @@ class Discs:
 
 
 class Shades:
-    """What pixels with discs of ``colours``, RGB (values, 3) from 0 to 1, on a ``ground`` (3,) look like."""
+    """Colours of pixels with discs of ``colours``, RGB (values, 3) from 0 to 1, on a ``ground`` (3,)."""
 
     def __init__(self, colours: np.ndarray, ground: np.ndarray):
         self._colours, self._ground = np.asarray(colours), np.asarray(ground)
@@ -155,7 +156,9 @@ def dense_line(points: Points, step: float = 0.5) -> Points:
 def dense_lines(lines: Iterable[Points]) -> Points:
     """Return the points of ``dense_line`` along several polylines; none without any."""
     dense = [dense_line(line) for line in lines]
-    return tuple(map(np.concatenate, zip(*dense, strict=True))) if dense else (np.empty(0), np.empty(0))
+    if not dense:
+        return np.empty(0), np.empty(0)
+    return np.concatenate([column for column, _ in dense]), np.concatenate([row for _, row in dense])
 
 
 def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:
@@ -176,13 +179,13 @@ def filled(points: Points, shape: tuple[int, int]) -> np.ndarray:
     slope = (ahead_x[edge] - x[edge]) / (ahead_y[edge] - y[edge])
     column = np.clip(x[edge] + slope * (strip - y[edge]), 0.0, columns)
     pixel = np.floor(column).astype(np.intp)
-    flat = strip // STRIPS * (columns + 2) + pixel  # two more columns: what lies beyond the last does not count
+    flat = strip // STRIPS * (columns + 2) + pixel  # two more columns take the part beyond the last one
     side, part = np.where(ahead_y > y, 1.0, -1.0)[edge], column - pixel
     steps = (
         np.bincount(flat + k, side * weight, minlength=rows * (columns + 2))
         for k, weight in enumerate((1 - part, part))
     )
-    covered = np.abs(np.cumsum(sum(steps).reshape(rows, columns + 2), axis=1))[:, :columns]
+    covered = np.abs(np.cumsum(np.asarray(sum(steps)).reshape(rows, columns + 2), axis=1))[:, :columns]
     return np.rint(LEVELS / STRIPS * np.minimum(covered, STRIPS)).astype(np.uint8)
 
 

@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import matplotlib.style
@@ -27,7 +28,7 @@ DYE_MAP = LinearSegmentedColormap.from_list("dye", DYES)
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours of a movie: ``series`` those of numbers over time, ``exact`` that of all references."""
+    """Colours of a movie: ``series`` for numbers over time, ``exact`` for all references."""
 
     background: str = "#ffffff"
     text: str = "#22262e"
@@ -88,9 +89,9 @@ def plot_style(theme: Theme = LIGHT) -> AbstractContextManager:
 
 
 class PlotFigure(Figure):
-    """A figure in this project's style, which a notebook shows, whatever it does with those of pyplot."""
+    """A figure in this project's style, which a notebook shows as PNG without pyplot."""
 
-    def save(self, path) -> None:
+    def save(self, path: Any) -> None:
         """Write it as PNG to a path or an open file: quickly, a quarter larger than it could be."""
         with plot_style():
             self.savefig(path, format="png", pil_kwargs={"compress_level": 2})
@@ -110,6 +111,13 @@ def plot_figure(rows: int = 1) -> PlotFigure:
     It is 720 pixels high for one row of axes, and 540 more for each further one.
     """
     figure = PlotFigure((11.0, 1.5 + 4.5 * rows), dpi=120)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def constrained_figure(size: tuple[float, float], dpi: int) -> Figure:
+    """Return an empty figure of ``size`` [inches] for many panels, in which matplotlib makes room for labels."""
+    figure = Figure(size, dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -6,10 +6,12 @@ With them the velocities of the walls and the body acceleration are drawn.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.labels import fixed_point, number, unit_label
 from tisph.report.layout import Layout, Rect
@@ -31,7 +33,7 @@ def fitting_size(text: str, size: int, width: float) -> int:
 
 
 def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str) -> None:
-    """Write one line into ``box``, at its ``left`` or ``right`` side or its ``middle``, over what is there."""
+    """Write one line over the picture in ``box``, at its ``left`` or ``right`` side or its ``middle``."""
     image = Image.fromarray(frame[box.slices])
     place, anchor = {"left": (0, "lm"), "right": (box.width, "rm"), "middle": (box.width / 2, "mm")}[side]
     draw = ImageDraw.Draw(image)
@@ -71,7 +73,7 @@ class WallLabel:
     ``font_size`` theirs, ``animated`` whether they have to be painted anew for every frame.
     """
 
-    def __init__(self, layout: Layout, bar: Rect, motion, units):
+    def __init__(self, layout: Layout, bar: Rect, motion: WallMotion, units: Any):
         self._layout, self._motion = layout, motion
         self._speed = math.hypot(motion.cosine, motion.sine)
         self._unit = unit_label("velocity", units)
@@ -96,7 +98,7 @@ class WallLabel:
     def words(self, t: float) -> str:
         """Return the words of time ``t``."""
         if self._digits:
-            return self._changing_words(float(self._motion.velocity(t)))
+            return f"{self._digits(float(self._motion.velocity(t)))} {self._unit}"
         now, before = self._motion.cosine, self._motion.before
         words = f"{number(now)} {self._unit}" if self._speed else ""
         if before is None:
@@ -105,13 +107,10 @@ class WallLabel:
             return f"{words} ({number(before)} before t = 0)"
         return f"stopped ({number(before)} {self._unit} before t = 0)"
 
-    def _changing_words(self, velocity: float) -> str:
-        return f"{self._digits(velocity)} {self._unit}"
-
     def _place(self, bar: Rect) -> None:
         """Choose where words and arrows stand, for the widest words."""
         layout, px = self._layout, self._layout.pixels
-        words = self._changing_words(-self._speed) if self._digits else self.words(0.0)
+        words = f"{self._digits(-self._speed)} {self._unit}" if self._digits else self.words(0.0)
         size, arrow = px(14), px(_ARROW)
         middle = bar.left + bar.width // 2
         on_bar = bar.width - 2 * px(22) - (2 * arrow if self._speed else 0)
@@ -132,7 +131,7 @@ class WallLabel:
         self._arrows = [Rect(x - arrow // 2, top, arrow, px(_HEAD)) for x in centres] if self._speed else []
 
 
-def wall_labels(scene, layout: Layout) -> list[WallLabel]:
+def wall_labels(scene: Any, layout: Layout) -> list[WallLabel]:
     """Return the labels of the walls of ``scene``."""
     return [WallLabel(layout, layout.wall(side), motion, scene.units) for side, motion in scene.walls]
 
@@ -141,7 +140,7 @@ def wall_labels(scene, layout: Layout) -> list[WallLabel]:
 class DriveLabel:
     """The body acceleration with an arrow, above the upper wall; nothing without one."""
 
-    scene: object
+    scene: Any
     layout: Layout
 
     @property

@@ -2,14 +2,14 @@
 
 An entry of ``checks`` in a suite has one of these forms, and becomes one criterion for each of its runs, times and
 numbers. ``t`` or ``t_star`` (t* = t over the time scale of the scene) choose samples, by one time or a list of times;
-without either the number is the one of the last sample of a run that reached its end.
+without either the number is read from the last sample of a run that reached its end.
 
-- {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3, wall_shear: 0.01}}    # at_least; a bound, or one for each time
+- {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3, wall_shear: 0.01}}    # or at_least; a bound, or one for each time
 - {run: fine, t: 2.7, off_exact: {torque_inner: 1.0e-3}}                 # relative difference to torque_inner_exact
 - {run: fine, t: 2.7, over: coarse, at_most: {l2: 0.5}}                  # the ratio of the numbers of two runs
 - {run: fine, t: 2.7, near: coarse, within: {l2: 0.05}}                  # their relative difference
 - {run: fine, number: drag/superficial_velocity, called: resistance, expected: 51.53, within: 3.0e-3}
-- {order: l2, runs: {coarse: 25, fine: 50}, t: 2.7, at_least: 3.5}       # of a fall with the particles across
+- {order: l2, runs: {coarse: 25, fine: 50}, t: 2.7, at_least: 3.5}       # order of convergence; particles across
 - {run: again, same_bits_as: fine}
 - {run: other_units, same_velocities_as: fine, within: 1.0e-6}           # over the reference velocity
 - {run: fine, momentum_closes: 0.01}                                     # summary.json: momentum.closure
@@ -21,8 +21,10 @@ A number is an expression, see ``studies/expressions.py``.
 
 import inspect
 import math
+import operator
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,7 @@ from tisph.config.fields import nearest
 from tisph.measures.metrics import fitted_order
 from tisph.studies import measures
 from tisph.studies.expressions import Number, SuiteError, is_number
+from tisph.studies.processes import Result
 
 COMPARED = ("run", "t", "t_star", "over", "near")
 
@@ -46,14 +49,14 @@ FORMS: dict[str, tuple[str, ...]] = {
     "off_exact": COMPARED,
     "within": COMPARED,
 }
-"""The other keys that an entry may have, by the key that makes it a check; the first of these that it has."""
+"""Key that makes an entry a check (the first of these keys that the entry has) -> other keys that it may have."""
 
 BOUNDS = {"at_most": "<=", "at_least": ">=", "off_exact": "<=", "within": "<="}
 
 
 @dataclass(frozen=True)
 class Check:
-    """One line of the verification table; ``value`` is NaN where the runs gave none."""
+    """One line of the verification table; ``value`` is NaN where the runs gave no number."""
 
     case: str
     quantity: str
@@ -64,7 +67,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Criterion:
-    """A number, computed from the results of ``runs`` (names), and the values of it that pass."""
+    """A number, computed from the results of ``runs`` (names), and the range of values that pass."""
 
     case: str
     quantity: str
@@ -73,19 +76,27 @@ class Criterion:
     value: Callable[..., float]
     accepts: Callable[[float], bool]
 
-    def judge(self, *results) -> Check:
-        """Check of the ``Result`` of each of ``runs``, in their order."""
+    def judge(self, *results: Result) -> Check:
+        """Return the check from the results of ``runs``, in their order."""
         value = float(self.value(*results))
         return Check(self.case, self.quantity, value, self.bound, bool(self.accepts(value)))
 
 
-def bounded(case, quantity, bound, value, runs=None, sign="<="):
-    """The ``Criterion`` that ``value`` of the ``runs``, of ``case`` alone if not given, is beside ``bound``."""
+def bounded(
+    case: str,
+    quantity: str,
+    bound: float,
+    value: Callable[..., float],
+    runs: tuple[str, ...] | None = None,
+    sign: str = "<=",
+) -> Criterion:
+    """Return the ``Criterion`` value ``sign`` bound, where ``value`` is a function of the results of ``runs``.
 
-    def accepts(number):
-        return {"<=": number <= bound, ">=": number >= bound, "=": number == bound}[sign]
-
-    return Criterion(case, quantity, f"{sign} {bound:g}", runs or (case,), value, accepts)
+    Without ``runs`` the only run is ``case``.
+    """
+    holds = {"<=": operator.le, ">=": operator.ge, "=": operator.eq}[sign]
+    text = f"{sign} {bound:g}"
+    return Criterion(case, quantity, text, runs or (case,), value, lambda number: holds(number, bound))
 
 
 def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
@@ -122,25 +133,25 @@ def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
             yield from _of_numbers(entry, run)
 
 
-def _given(entry, key):
+def _given(entry: dict[str, Any], key: str) -> Any:
     if key not in entry:
         raise SuiteError(None, f"{key} is missing")
     return entry[key]
 
 
-def _bound(entry, key):
+def _bound(entry: dict[str, Any], key: str) -> float:
     value = _given(entry, key)
     if not is_number(value):
         raise SuiteError(key, f"{value!r}: must be a number, such as 1.0e-3")
     return value
 
 
-def _listed(value):
+def _listed(value: Any) -> list:
     return list(value) if isinstance(value, list | tuple | dict) else [value]
 
 
-def _times(entry) -> list[tuple[str, Callable]]:
-    """(words, choice of a sample) of each time of an entry."""
+def _times(entry: dict[str, Any]) -> list[tuple[str, Callable[[Result], Any]]]:
+    """Return (words, function that chooses the sample of a result) for each time of an entry."""
     if "t" in entry and "t_star" in entry:
         raise SuiteError("t_star", "give t or t_star, not both")
     for key, sign in (("t", "t"), ("t_star", "t*")):
@@ -149,15 +160,12 @@ def _times(entry) -> list[tuple[str, Callable]]:
             for time in times:
                 if not is_number(time):
                     raise SuiteError(key, f"{time!r}: must be a number, or a list of numbers")
-            return [
-                (f" at {sign} = {time:g}", lambda result, time=time, key=key: result.sample(time, key))
-                for time in times
-            ]
+            return [(f" at {sign} = {time:g}", partial(Result.sample, time=time, key=key)) for time in times]
     return [("", lambda result: result.last)]
 
 
-def _of_numbers(entry, run):
-    """Criteria of numbers of a run at all times of an entry."""
+def _of_numbers(entry: dict[str, Any], run: str) -> Iterator[Criterion]:
+    """Yield the criteria of numbers of a run at all times of an entry."""
     times = _times(entry)
     for key in BOUNDS:
         for number, words, bounds in _bounded_numbers(entry, key):
@@ -169,7 +177,7 @@ def _of_numbers(entry, run):
                 yield _criterion(entry, key, bound, run, number, words, at, sample)
 
 
-def _bounded_numbers(entry, key):
+def _bounded_numbers(entry: dict[str, Any], key: str) -> Iterator[tuple[Number, str, Any]]:
     """Yield each number that an entry bounds by ``key``, its words, and its bounds."""
     if key not in entry:
         return
@@ -184,9 +192,21 @@ def _bounded_numbers(entry, key):
             yield number, number.text, bounds
 
 
-def _criterion(entry, key, bound, run, number, words, at, sample):
-    """The criterion of a number of a run at one time: itself, or compared with a value or another run."""
-    value = lambda result: number(result, sample(result))  # noqa: E731
+def _criterion(
+    entry: dict[str, Any],
+    key: str,
+    bound: float,
+    run: str,
+    number: Number,
+    words: str,
+    at: str,
+    sample: Callable[[Result], Any],
+) -> Criterion:
+    """Return the criterion of a number of a run at one time, alone or compared with a value or another run."""
+
+    def value(result: Result) -> float:
+        return number(result, sample(result))
+
     compared = [name for name in ("expected", "near", "over") if name in entry]
     if len(compared) > 1:
         raise SuiteError(compared[1], f"give one of {' and '.join(compared)}")
@@ -194,20 +214,21 @@ def _criterion(entry, key, bound, run, number, words, at, sample):
         raise SuiteError(key, "within is the relative difference to expected or near; other bounds have neither")
     if "expected" in entry:
         expected = _bound(entry, "expected")
-        off = lambda result: abs(value(result) / expected - 1)  # noqa: E731
-        return bounded(run, f"{words} off {expected:g}{at}", bound, off)
+        return bounded(run, f"{words} off {expected:g}{at}", bound, lambda ours: abs(value(ours) / expected - 1))
     if not compared:
         return bounded(run, f"{words}{at}", bound, value, sign=BOUNDS[key])
     other = entry[compared[0]]
+
+    def ratio(ours: Result, theirs: Result) -> float:
+        return value(ours) / value(theirs)
+
     if "near" in entry:
-        off = lambda ours, theirs: abs(value(ours) / value(theirs) - 1)  # noqa: E731
-        return bounded(run, f"{words} off {other}{at}", bound, off, (run, other))
-    ratio = lambda ours, theirs: value(ours) / value(theirs)  # noqa: E731
+        return bounded(run, f"{words} off {other}{at}", bound, lambda *both: abs(ratio(*both) - 1), (run, other))
     return bounded(run, f"{words} over {other}'s{at}", bound, ratio, (run, other), BOUNDS[key])
 
 
-def _orders(entry):
-    """Criteria that errors fall with a power of the spacing: a fit over all resolutions."""
+def _orders(entry: dict[str, Any]) -> Iterator[Criterion]:
+    """Yield the criteria of the order of convergence, which is fitted over all resolutions."""
     resolutions, expected = _given(entry, "runs"), entry.get("expected")
     across = resolutions.values() if isinstance(resolutions, dict) else ()
     if len(across) < 2 or not all(is_number(number) and number > 0 for number in across):
@@ -216,7 +237,7 @@ def _orders(entry):
         number = Number(text, "order")
         for words, sample in _times(entry):
 
-            def fitted(*results, number=number, sample=sample):
+            def fitted(*results: Result, number: Number = number, sample: Callable = sample) -> float:
                 values = [number(result, sample(result)) for result in results]
                 errors = values if expected is None else [abs(value / expected - 1) for value in values]
                 return fitted_order(resolutions.values(), errors)
@@ -225,8 +246,8 @@ def _orders(entry):
             yield bounded(case, f"{name}{words}", _bound(entry, "at_least"), fitted, tuple(resolutions), ">=")
 
 
-def _measure(entry, runs, time):
-    """The criterion of a function of ``measures.py``, at a ``time`` where one is given."""
+def _measure(entry: dict[str, Any], runs: tuple[str, ...], time: Any) -> Criterion:
+    """Return the criterion of a function of ``measures.py``, at a ``time`` if there is one."""
     name, given, at = str(entry["measure"]), entry.get("with", {}), ""
     if not isinstance(given, dict):
         raise SuiteError("with", "must be a map of the parameters of the measure")
@@ -245,8 +266,8 @@ def _measure(entry, runs, time):
     if wrong:
         raise SuiteError("with", f"{wrong[0]}: {name} takes {', '.join(keys) or 'nothing'}")
 
-    def value(*results):
-        """NaN where one of the runs stopped early."""
+    def value(*results: Result) -> float:
+        """Return the measure; NaN where one of the runs stopped early."""
         return function(*results, **given) if all(result.last for result in results) else math.nan
 
     case, words = entry.get("case", runs[0]), entry.get("called", name.replace("_", " ")) + at
@@ -256,26 +277,27 @@ def _measure(entry, runs, time):
     if "expected" not in entry:
         return bounded(case, words, _bound(entry, "at_most"), value, runs)
     expected = _bound(entry, "expected")
-    off = lambda *results: abs(value(*results) / expected - 1)  # noqa: E731
-    return bounded(case, f"{words} off {expected:g}", _bound(entry, "within"), off, runs)
+    within = _bound(entry, "within")
+    return bounded(case, f"{words} off {expected:g}", within, lambda *all: abs(value(*all) / expected - 1), runs)
 
 
-def _differing_arrays(ours, other):
-    """How many arrays of samples.h5 differ in a bit; NaN where there are none, or others."""
+def _differing_arrays(ours: Result, other: Result) -> float:
+    """Return how many arrays of samples.h5 differ in a bit; NaN without arrays, or if their names differ."""
     arrays, others = ours.arrays(), other.arrays()
     if not arrays or arrays.keys() != others.keys():
         return math.nan
     return sum(arrays[key].tobytes() != others[key].tobytes() for key in arrays)
 
 
-def _difference(ours, other):
-    """The largest difference of a velocity component of a particle in all samples, over the reference velocity."""
-    arrays, others = _velocities(ours), _velocities(other)
+def _difference(ours: Result, other: Result) -> float:
+    """Return the largest difference of a velocity component of a particle in all samples, over the reference velocity.
+
+    NaN without arrays, or if their names differ.
+    """
+    arrays, others = (
+        {key: array / run.reference_velocity for key, array in run.arrays().items() if key.endswith(("/u", "/v"))}
+        for run in (ours, other)
+    )
     if not arrays or arrays.keys() != others.keys():
         return math.nan
     return max(np.max(np.abs(arrays[key] - others[key])) for key in arrays)
-
-
-def _velocities(result):
-    arrays = result.arrays().items()
-    return {key: array / result.reference_velocity for key, array in arrays if key.endswith(("/u", "/v"))}

@@ -1,9 +1,13 @@
 """Arithmetic expressions in YAML: numbers of a run, such as ``drag/superficial_velocity``, and values of configs.
 
-The functions are abs, max, sqrt, hypot, sin, cos, exp and log, the constant is pi. In checks of suites the names are
-the numbers of a sample in summary.json; ``wall_shear``, the error of the wall shear stress; ``transverse``, the largest
-transverse velocity over the reference velocity; and dotted names of the whole run, such as ``cost.steps``. ``NAME off
-exact`` is the relative difference of a number to ``NAME_exact``.
+The functions are abs, max, sqrt, hypot, sin, cos, exp and log, the constant is pi. In checks of suites a name is one of
+
+- a number of a sample in summary.json;
+- ``wall_shear``, the error of the wall shear stress;
+- ``transverse``, the largest transverse velocity over the reference velocity;
+- a dotted name of the whole run, such as ``cost.steps``.
+
+``NAME off exact`` is the relative difference of a number to ``NAME_exact``.
 """
 
 import ast
@@ -11,17 +15,22 @@ import math
 from collections.abc import Callable
 from functools import cache
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.measures.channel import wall_shear_error
 
-FUNCTIONS = {name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")}
+if TYPE_CHECKING:
+    from tisph.studies.processes import Result
+
+FUNCTIONS: dict[str, Callable[..., float]] = {
+    name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")
+}
 FUNCTIONS |= {"abs": abs, "max": lambda *numbers: math.nan if any(map(math.isnan, numbers)) else max(numbers)}
 
-ARITHMETIC = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Constant, ast.Name, ast.Call)
-ARITHMETIC += (ast.Attribute, ast.Load)
+ARITHMETIC: tuple[type[ast.AST], ...] = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop)
+ARITHMETIC += (ast.Constant, ast.Name, ast.Call, ast.Attribute, ast.Load)
 
 
 class SuiteError(Exception):
@@ -52,9 +61,9 @@ def _evaluated(code: CodeType, lookup: Callable[[str], Any]) -> Any:
 
 
 def filled(template: Any, names: dict[str, Any]) -> Any:
-    """Return plain data in which every text that begins with = is replaced by the value of this expression.
+    """Return plain data in which the value of an expression replaces every text that begins with =.
 
-    ``names`` (name -> plain data): values of the names in expressions, which may have expressions, too. Numbers become
+    ``names`` (name -> plain data): values of the names in expressions; they may contain expressions. Numbers become
     floats of twelve digits. A map ``{repeat: N, each: ITEM}`` becomes a list of N items with k = 0, 1, ... N - 1.
     """
     if isinstance(template, dict) and "repeat" in template:
@@ -70,7 +79,7 @@ def filled(template: Any, names: dict[str, Any]) -> Any:
 
 
 class Number:
-    """An arithmetic expression of numbers of a result; SuiteError where ``text`` is none."""
+    """An arithmetic expression of numbers of a result; SuiteError where ``text`` is no such expression."""
 
     def __init__(self, text: Any, key: str):
         self.text = str(text)
@@ -79,11 +88,17 @@ class Number:
         self._code = _compiled(source, key)
         self._name = source if self._off_exact else None
 
-    def __call__(self, result, sample) -> float:
-        """Its value in a ``sample`` of a result; NaN without a sample, or where one of its numbers has no value."""
+    def __call__(self, result: "Result | None", sample: dict[str, Any] | None) -> float:
+        """Return the value in a ``sample`` of a result; NaN without a sample, or if one of its numbers has no value.
+
+        Only ``transverse`` and dotted names need the result.
+        """
         if sample is None:
             return math.nan
-        lookup = lambda name: _number(result, sample, name)  # noqa: E731
+
+        def lookup(name: str) -> float:
+            return _number(result, sample, name)
+
         try:
             value = _evaluated(self._code, lookup)
             value = abs(value / lookup(f"{self._name}_exact") - 1) if self._off_exact else value
@@ -93,45 +108,42 @@ class Number:
 
 
 class _Lookup(ast.NodeTransformer):
-    """Makes every name of an expression a call of ``number`` with this name, and every number a float.
+    """Replaces every name of an expression by a call of ``number`` with this name, and every number by a float.
 
-    Powers of floats overflow at once, powers of whole numbers take any time and memory.
+    Powers of floats overflow at once; powers of whole numbers take any time and memory.
     """
 
-    def visit_Constant(self, node):
+    def visit_Constant(self, node: Any) -> ast.AST:
         return ast.copy_location(ast.Constant(float(node.value)), node)
 
-    def visit_Call(self, node):
+    def visit_Call(self, node: ast.Call) -> ast.AST:
         node.args = [self.visit(argument) for argument in node.args]
         return node
 
-    def visit_Name(self, node):
-        if node.id == "pi":
+    def visit_Name(self, node: ast.Name | ast.Attribute) -> ast.AST:
+        name = ast.unparse(node)
+        if name == "pi":
             return ast.copy_location(ast.Constant(math.pi), node)
-        return self._call(node, node.id)
-
-    def visit_Attribute(self, node):
-        return self._call(node, ast.unparse(node))
-
-    @staticmethod
-    def _call(node, name):
         call = ast.Call(ast.Name("number", ast.Load()), [ast.Constant(name)], [])
         return ast.fix_missing_locations(ast.copy_location(call, node))
 
+    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
+        return self.visit_Name(node)
+
 
 def is_number(value: Any) -> bool:
-    """Tell whether a value of a suite is a number."""
+    """Return whether a value of a suite is a number."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def _number(result, sample, name):
-    """The number ``name`` of a sample, or of the whole run where the name is dotted; NaN where it has no value."""
+def _number(result: Any, sample: dict[str, Any], name: str) -> float:
+    """Return the number ``name`` of a sample, or of the whole run if the name is dotted; NaN where it has no value."""
     if name == "transverse":
         return sample["max_transverse_velocity"] / result.reference_velocity
     if name == "wall_shear":
         value = wall_shear_error(sample)
     else:
-        found = result.summary if "." in name else sample
+        found: Any = result.summary if "." in name else sample
         for part in name.split("."):
             if not isinstance(found, dict) or part not in found:
                 raise ConfigError(f"{name}: no such number{nearest(part, list(found) if found else [])}")

@@ -1,31 +1,31 @@
-"""Run time against error, ``tisph bench frontier``: every flow by every method, beside peers.
+"""Run time against error, ``tisph bench frontier``: every flow by every method, and by other codes (peers).
 
-Flows, methods, resolutions, peers and bounds are data: ``suites/frontier.yaml``. Runs are processes of their own, one
-at a time, kept in the folder of the results, so that an interrupted benchmark goes on where it was. The error of a run
-does not depend on other load of the machine; its time does, so that each is run in every round, interleaved with the
-others, and medians are compared.
+Flows, methods, resolutions, peers and bounds are data: ``suites/frontier.yaml``. Runs are separate processes, one at a
+time, kept in the folder of the results: an interrupted benchmark continues where it stopped. The time of a run, unlike
+its error, depends on the load of the machine. So each run is repeated in every round, interleaved with the others, and
+medians of the times are compared.
 """
 
 import json
 import math
 import os
 import platform
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import median
 from typing import Any
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from rich.console import Console
 
 from tisph.errors import TisphError
-from tisph.report.style import MUTED, plot_style
-from tisph.studies import peers, suites
+from tisph.report.style import MUTED, constrained_figure, plot_style
+from tisph.studies import suites
 from tisph.studies.expressions import Number, merged
-from tisph.studies.peers import PeerRun
 from tisph.studies.store import Store
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__
@@ -53,11 +53,11 @@ class Flow:
     quoted: list[dict[str, Any]] = field(default_factory=list)
 
     def error_of(self, sample: dict[str, Any] | None) -> float:
-        """Return the error of a sample; NaN without one, or where it has none."""
+        """Return the error of a sample; NaN without a sample, or where the sample has no error."""
         return Number(self.error, "error")(None, sample)
 
     def bound(self, row: "Measured", key: str) -> float | None:
-        """Return what is asked of a peer's row, ``speedup`` or ``accuracy_ratio``; None where nothing is."""
+        """Return the bound ``speedup`` or ``accuracy_ratio`` of a peer's row; None without a bound."""
         asked = [
             bound
             for bound in self.bounds
@@ -68,7 +68,7 @@ class Flow:
 
 FLOWS = {key: Flow(**flow) for key, flow in DATA["flows"].items()}
 GROUPS = tuple(dict.fromkeys(flow.group for flow in FLOWS.values()))
-"""Names of the groups of flows, each of which is a picture of its own."""
+"""Names of the groups of flows; each group has its own picture."""
 
 
 @dataclass(frozen=True)
@@ -81,13 +81,13 @@ class Point:
 
     @property
     def name(self) -> str:
-        """Name of its runs, less the number of the round."""
+        """Name of the runs of this point, without the number of the round."""
         method = "".join(letter if letter.isalnum() or letter == "." else "_" for letter in self.method)
         return f"{self.flow}_{method}_{self.across}"
 
     @property
     def config(self) -> dict[str, Any]:
-        """Its config."""
+        """The config of the run, a plain dict."""
         flow, across = FLOWS[self.flow], {"discretisation": {"particles_across": self.across}}
         end = {"time": {"end": flow.end}}
         return merged(DATA["configs"][flow.config], end, DATA["methods"][self.method], across)
@@ -105,8 +105,27 @@ def points(group: str, quick: bool) -> list[Point]:
     ]
 
 
+@dataclass(frozen=True)
+class PeerRun:
+    """One run of a peer: label, flow, code, threads and particles across, the case of ``measure.py`` and its end."""
+
+    label: str
+    flow: str
+    code: str
+    threads: int
+    across: int
+    case: str
+    end: float
+
+    @property
+    def words(self) -> list[str]:
+        """Options for ``measure.py``."""
+        options = {"case": self.case, "code": self.code, "threads": self.threads, "across": self.across}
+        return [str(word) for key, value in (options | {"until": self.end}).items() for word in (f"--{key}", value)]
+
+
 def peer_runs(group: str, quick: bool = False) -> list[PeerRun]:
-    """Return the runs of the peers of a group; ``quick``: the coarsest ones, of flows in the quick benchmark."""
+    """Return the runs of the peers of a group; ``quick``: only the coarsest runs, of flows in the quick benchmark."""
     return [
         PeerRun(label, key, **DATA["peers"][label], across=across, case=flow.peers["case"], end=flow.peers["end"])
         for key, flow in FLOWS.items()
@@ -120,9 +139,9 @@ def peer_runs(group: str, quick: bool = False) -> list[PeerRun]:
 class Measured:
     """Error and seconds of every round of the runs of one flow by one method.
 
-    ``l2``: the L2 error, or another where the ``Flow`` says so, NaN where a run stopped. ``steps``: None where they are
-    not known. ``loops`` are seconds of the time loop, ``processes`` those of whole processes, where known. ``code``:
-    the program. ``quoted``: whether it was measured elsewhere.
+    ``l2``: the L2 error, or the error that the ``Flow`` names; NaN where a run stopped. ``steps``: None if unknown.
+    ``loops``: seconds of the time loop; ``processes``: seconds of the whole process, empty if unknown. ``code``: the
+    program. ``quoted``: whether the row was measured elsewhere.
     """
 
     flow: str
@@ -143,12 +162,12 @@ class Measured:
 
     @property
     def ours(self) -> bool:
-        """Whether this program computed it, and not a peer."""
+        """Whether this program computed the row, and not a peer."""
         return self.code == "tisph"
 
     @property
     def numbers(self) -> dict[str, Any]:
-        """The row as a dictionary for a file, whose keys are those of files that users have."""
+        """The row as a dictionary for ``frontier.json``, whose keys users rely on."""
         found = asdict(self)
         return {**found, "way": found.pop("method"), "elsewhere": found.pop("quoted"), "loop": self.loop}
 
@@ -159,8 +178,8 @@ class Measured:
 def run(folder: Path, quick: bool = False, peers_folder: Path | None = None, group: str = "channel") -> bool:
     """Measure the flows of a group, print the tables, and leave ``frontier.png`` and ``frontier.json`` in ``folder``.
 
-    ``peers_folder``: where the peers' scripts are, None to measure none. Returns False if a peer comes closer than its
-    bound allows, else True.
+    ``peers_folder``: folder of the peers' scripts; None to measure no peer. Returns False if a peer comes closer than
+    its bound allows, else True.
     """
     folder.mkdir(parents=True, exist_ok=True)
     wanted, theirs = points(group, quick), peer_runs(group, quick)
@@ -172,9 +191,31 @@ def run(folder: Path, quick: bool = False, peers_folder: Path | None = None, gro
         for point in wanted:
             rounds[point].append(outcome(store, f"{point.name}_round_{number}", point.config))
         if peers_folder:
-            others.append(peers.measure(peers_folder, folder / "peers", number, theirs))
+            others.append(measure_peers(peers_folder, folder / "peers", number, theirs))
     rows = [*(measured(point, summaries) for point, summaries in rounds.items()), *peer_rows(others, group)]
     return show(folder, rows)
+
+
+def measure_peers(scripts: Path, folder: Path, number: int, wanted: Iterable[PeerRun]) -> dict[PeerRun, dict[str, Any]]:
+    """Return the dictionary that ``measure.py`` in ``scripts`` prints for each of the runs ``wanted``, in one round.
+
+    Files that an earlier call left in ``folder`` are used again unless a script is newer. Raises TisphError where a run
+    fails.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    changed = max(path.stat().st_mtime for path in scripts.iterdir() if path.is_file())
+    found = {}
+    for run in wanted:
+        kept = folder / f"{run.code}_{run.threads}_{run.flow}_{run.across}_round_{number}.json"
+        if not kept.is_file() or kept.stat().st_mtime < changed:
+            command = [sys.executable, str(scripts / "measure.py"), *run.words]
+            with Console(stderr=True).status(kept.stem):
+                done = subprocess.run(command, capture_output=True, text=True, check=False)
+            if done.returncode:
+                raise TisphError(f"{' '.join(command)}: {done.stderr.strip()[-500:]}")
+            kept.write_text(done.stdout, encoding="utf-8")
+        found[run] = json.loads(kept.read_text(encoding="utf-8"))
+    return found
 
 
 def outcome(store: Store, name: str, config: dict[str, Any]) -> dict[str, Any]:
@@ -202,9 +243,9 @@ def measured(point: Point, summaries: list[dict[str, Any]]) -> Measured:
 
 
 def peer_rows(rounds: list[dict[PeerRun, dict]], group: str) -> list[Measured]:
-    """Return the rows of the peers over all rounds, and the quoted ones of codes that were not measured here.
+    """Return the rows of the peers over all rounds, and the quoted rows of codes that were not measured here.
 
-    Times that are multiples of another peer's are quoted where that one was measured.
+    A time that is a multiple of another peer's time is quoted only where that peer was measured.
     """
     rows = [
         Measured(
@@ -232,13 +273,13 @@ def peer_rows(rounds: list[dict[PeerRun, dict]], group: str) -> list[Measured]:
 
 
 def pareto_front(rows: Iterable[Measured]) -> list[Measured]:
-    """Return those of ``rows`` (of one flow) that no other beats in both error and loop time."""
+    """Return the ``rows`` (of one flow) that no other row beats in both error and loop time."""
     rows = [row for row in rows if not math.isnan(row.l2)]
     return [row for row in rows if not any(other.l2 <= row.l2 and other.loop < row.loop for other in rows)]
 
 
 def fastest(rows: Iterable[Measured], error: float, start: str = "") -> Measured | None:
-    """Return our row with the shortest loop among those with an L2 of at most ``error``; None without one.
+    """Return our row of an L2 of at most ``error`` with the shortest loop; None without such a row.
 
     Only methods whose names begin with ``start`` count.
     """
@@ -248,10 +289,10 @@ def fastest(rows: Iterable[Measured], error: float, start: str = "") -> Measured
 
 @dataclass(frozen=True)
 class Comparison:
-    """A peer's run, and one of ours beside it, None where no run reaches its error.
+    """A peer's run, and one of ours beside it; None where no run of ours reaches the peer's error.
 
-    ``ratios`` by name: of theirs over ours. ``bound``: the least allowed value of the first of them, None where nothing
-    is asked for. ``faster``: whether we are to be the faster ones, too.
+    ``ratios`` (name -> the peer's value over ours). ``bound``: the least allowed value of the first ratio, None without
+    a bound. ``faster``: whether our run must also be the faster one.
     """
 
     peer: Measured
@@ -275,7 +316,7 @@ class Comparison:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Its row of a table. Ratios of loop times are those of medians, with the range over the rounds of the peer."""
+        """The row of a table. A ratio of loop times is the ratio of the medians, with its range over the rounds."""
         if self.faster:
             ratios, bound = [f"{self.ratios['errors']:.0f}", f"{self.ratios['times']:.3g}"], "error >= {:g}, time > 1"
         else:
@@ -326,7 +367,7 @@ def equal_resolution(rows: list[Measured]) -> list[Comparison]:
 
 
 def speedups(rows: list[Measured]) -> list[str]:
-    """Return lines: how much faster than the explicit scheme the implicit one reaches what is asked for."""
+    """Return lines: how much faster than the explicit scheme the implicit one reaches the target error of each flow."""
     lines = []
     for key, flow in FLOWS.items():
         of_flow = [row for row in rows if row.flow == key]
@@ -382,7 +423,11 @@ def show(folder: Path, rows: list[Measured]) -> bool:
     return all(one.passed for one in (*found, *same))
 
 
-def _print_points(rows, fronts):
+def _print_points(rows: list[Measured], fronts: dict[str, list[Measured]]) -> None:
+    def median_and_range(seconds: tuple[float, ...]) -> str:
+        text = f"{median(seconds):.3f}"
+        return f"{text} ({min(seconds):.3f}..{max(seconds):.3f})" if len(seconds) > 1 else text
+
     rounds = max(len(row.loops) for row in rows)
     print(f"{rounds} interleaved rounds, median (smallest..largest)\n" if rounds > 1 else "one round\n")
     widths = (max(len(FLOWS[row.flow].title) for row in rows), *WIDTHS)
@@ -395,16 +440,11 @@ def _print_points(rows, fronts):
             str(row.threads),
             "" if row.steps is None else str(row.steps),
             f"{row.l2:.1e}",
-            "quoted " * row.quoted + _median_and_range(row.loops),
-            _median_and_range(row.processes) if row.processes else "",
+            "quoted " * row.quoted + median_and_range(row.loops),
+            median_and_range(row.processes) if row.processes else "",
             "*" if row in fronts[row.flow] else "",
         )
         print(format_row(cells, widths))
-
-
-def _median_and_range(seconds):
-    text = f"{median(seconds):.3f}"
-    return f"{text} ({min(seconds):.3f}..{max(seconds):.3f})" if len(seconds) > 1 else text
 
 
 CPUINFO = Path("/proc/cpuinfo")
@@ -423,7 +463,7 @@ def machine() -> dict[str, Any]:
     }
 
 
-# Okabe and Ito's colours, which colour-blind eyes tell apart too; the marks tell the same without colour.
+# Okabe and Ito's colours, which colour-blind people can distinguish; the marks distinguish the methods without colour.
 FAMILIES = {
     "explicit": ("#0072b2", "os<^"),
     "implicit": ("#d55e00", "v>DpP"),
@@ -432,22 +472,27 @@ FAMILIES = {
     "PySPH EDAC": ("#56b4e9", "hX"),
     "": ("#000000", "s^o"),
 }
-"""Colour and marks of the methods, by how their names begin: the first that fits."""
+"""Start of a method's name -> colour and marks; the first start that fits counts."""
 
 OURS, PEERS, QUOTED = "tisph", "peers, same machine", "quoted, measured elsewhere"
-LEGENDS = {OURS: "outside lower left", PEERS: "outside lower center", QUOTED: "outside lower right"}
-"""Place of the legend of each kind of methods, by its title."""
+LEGENDS: dict[str, Any] = {OURS: "outside lower left", PEERS: "outside lower center", QUOTED: "outside lower right"}
+"""Title of the legend of each kind of methods -> its place."""
 
 
 def figure_of(rows: list[Measured], fronts: dict[str, list[Measured]]) -> Figure:
     """Return the picture: one panel a flow, both axes logarithmic, the Pareto front of each flow as a line."""
     flows = [flow for flow in FLOWS if any(row.flow == flow for row in rows)]
     styles = styles_of(rows)
-    figure = Figure((max(3.7 * len(flows), 10.0), 6.2), dpi=130, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = constrained_figure((max(3.7 * len(flows), 10.0), 6.2), dpi=130)
     panels = figure.subplots(1, len(flows), squeeze=False)[0]
     for panel, flow in zip(panels, flows, strict=True):
-        _draw(panel, flow, [row for row in rows if row.flow == flow], fronts[flow], styles)
+        line = sorted(fronts[flow], key=lambda row: row.loop)
+        panel.plot([row.loop for row in line], [row.l2 for row in line], color=MUTED, linewidth=3, alpha=0.4, zorder=0)
+        for method in dict.fromkeys(row.method for row in rows if row.flow == flow):
+            own = sorted((row for row in rows if (row.flow, row.method) == (flow, method)), key=lambda row: row.across)
+            panel.plot([row.loop for row in own], [row.l2 for row in own], **styles[method][1])
+        panel.set(xscale="log", yscale="log", title=FLOWS[flow].title, xlabel="time loop [s]")
+        panel.grid(True, which="major")
     panels[0].set_ylabel("L2 error of the velocity" if FLOWS[flows[0]].error == "l2" else "relative error")
     for title, place in LEGENDS.items():
         handles = [Line2D([], [], label=name, **options) for name, (kind, options) in styles.items() if kind == title]
@@ -460,9 +505,9 @@ def figure_of(rows: list[Measured], fronts: dict[str, list[Measured]]) -> Figure
 
 
 def styles_of(rows: list[Measured]) -> dict[str, tuple[str, dict[str, Any]]]:
-    """Return (title of the legend, options of a matplotlib line) of every method in ``rows``.
+    """Return method -> (title of the legend, options of a matplotlib line), for every method in ``rows``.
 
-    Points are joined thinly, large for a peer, hollow if measured elsewhere.
+    Thin lines join the points, which are large for a peer and hollow if measured elsewhere.
     """
     styles: dict[str, tuple[str, dict[str, Any]]] = {}
     for row in rows:
@@ -480,13 +525,3 @@ def styles_of(rows: list[Measured]) -> dict[str, tuple[str, dict[str, Any]]]:
         }
         styles.setdefault(row.method, (kind, options))
     return styles
-
-
-def _draw(panel, flow, rows, front, styles):
-    line = sorted(front, key=lambda row: row.loop)
-    panel.plot([row.loop for row in line], [row.l2 for row in line], color=MUTED, linewidth=3, alpha=0.4, zorder=0)
-    for method in dict.fromkeys(row.method for row in rows):
-        own = sorted((row for row in rows if row.method == method), key=lambda row: row.across)
-        panel.plot([row.loop for row in own], [row.l2 for row in own], **styles[method][1])
-    panel.set(xscale="log", yscale="log", title=FLOWS[flow].title, xlabel="time loop [s]")
-    panel.grid(True, which="major")

@@ -1,8 +1,8 @@
-"""Manufactured solutions: flows that are chosen, and driven by the forces that the equations then ask for.
+"""Manufactured solutions: chosen flows, driven by the body force that makes them solve the equations.
 
-Chosen are a velocity u without divergence that obeys no slip, from a stream function psi, a pressure p per unit
-density, and for polymers a conformation tensor A: ``suites/manufactured.yaml``. sympy derives the body force f and the
-source Q of the conformation,
+``suites/manufactured.yaml`` chooses a velocity u without divergence that obeys no slip, from a stream function psi, a
+pressure p per unit density, and for polymers a conformation tensor A. sympy derives the body force f and the source Q
+of the conformation,
 
     f = Du/Dt + grad p - div T,    T = 2 nu D + S,    D = (L + L^T)/2,    L = grad u,
     Q = DA/Dt - L A - A L^T + (A - 1)/lambda,    S = nu_p/lambda (A - 1) of an Oldroyd-B fluid,
@@ -13,7 +13,7 @@ interface, ``tisph.Simulation(config, body_force=..., conformation_source=...)``
 Fluids Eng. 124 (2002) 4-10.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 from typing import Any
@@ -22,7 +22,8 @@ import numpy as np
 
 from tisph import scenes
 from tisph.errors import ConfigError, TisphError
-from tisph.snapshot import STRESSES, STRESSES_AROUND
+from tisph.scenes._scene import Scene
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
 from tisph.studies import checks, suites
 from tisph.studies.checks import Criterion
 from tisph.studies.expressions import merged
@@ -77,7 +78,7 @@ class Solution:
         viscosity = self.expressions["viscosity"].subs("D2", 2 * (strain * strain).trace())
         stress = 2 * viscosity * strain
 
-        def along_path(field):
+        def along_path(field: Any) -> Any:
             return field.diff(t) + u[0] * field.diff(x) + u[1] * field.diff(y)
 
         if "xx" in self.expressions:
@@ -93,7 +94,7 @@ class Solution:
         found |= {"velocity": u, "pressure": sp.Matrix([DENSITY * pressure])}
         return {name: self._function(field) for name, field in found.items()}
 
-    def _gradient(self, u):
+    def _gradient(self, u: Any) -> tuple[Any, Any]:
         """Return du_a/dx_b, and the angular velocity w/r of the axes along a path, as matrices."""
         sp, (x, y, _) = sympy(), self.symbols
         gradient, turn = sp.zeros(3, 3), sp.zeros(3, 3)
@@ -103,14 +104,14 @@ class Solution:
             turn[1, 2], turn[2, 1] = -u[2] / y, u[2] / y
         return gradient, turn
 
-    def _divergence(self, T):
+    def _divergence(self, T: Any) -> Any:
         sp, (x, y, _) = sympy(), self.symbols
         force = sp.Matrix([T[a, 0].diff(x) + T[a, 1].diff(y) for a in range(3)])
         if self.axisymmetric:
             force += sp.Matrix([T[0, 1], T[1, 1] - T[2, 2], 2 * T[1, 2]]) / y
         return force
 
-    def _function(self, field):
+    def _function(self, field: Any) -> Callable:
         """Return a function of x, y, t with the components of a vector, or of a tensor as snapshots order them."""
         if field.shape == (3, 3):
             places = ((0, 0), (0, 1), (1, 1), (2, 2), (0, 2), (1, 2))[: 6 if self.axisymmetric else 3]
@@ -133,7 +134,7 @@ def config_of(case: str, number: int) -> dict[str, Any]:
     return config
 
 
-def _rounded_outline(points=120):
+def _rounded_outline(points: int = 120) -> list[list[float]]:
     """Return points of x^2 + y^2 + x^4 + y^4 = 2; the spline of fifth degree through them is off it by 1e-8."""
     angle = np.arange(points) * 2.0 * np.pi / points
     fourth = np.cos(angle) ** 4 + np.sin(angle) ** 4
@@ -147,7 +148,7 @@ def run(case: str, number: int) -> tuple[Result, str]:
 
     config, fields, uniform = config_of(case, number), _fields(case), CASES[case].get("uniform", 0.0)
 
-    def force(x, y, t):
+    def force(x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
         along, *others = fields["force"](x, y, t)
         return along - uniform, *others
 
@@ -165,17 +166,17 @@ def run(case: str, number: int) -> tuple[Result, str]:
 
 
 @cache
-def _fields(case):
+def _fields(case: str) -> dict[str, Callable]:
     return Solution(case).fields()
 
 
-def _errors(snapshot, fields, reference=None):
-    """Return relative L2 errors: ``l2`` of the velocity, ``l2_pressure`` and ``l2_stress`` where they are not 0."""
+def _errors(snapshot: Snapshot, fields: dict[str, Callable], reference: Scene | None = None) -> dict[str, float]:
+    """Return relative L2 errors: ``l2`` of the velocity, ``l2_pressure`` and ``l2_stress`` of fields other than 0."""
     x, y, t = snapshot.x.astype(float), snapshot.y.astype(float), snapshot.t
 
-    def off(names, exact):
+    def off(names: Sequence[str], solution: Callable) -> float:
         values = np.array([getattr(snapshot, name) for name in names], dtype=float)
-        exact = np.array([np.broadcast_to(each, x.shape) for each in exact(x, y, t)])
+        exact = np.array([np.broadcast_to(each, x.shape) for each in solution(x, y, t)])
         if reference:
             exact = exact + [reference.exact(name, x, y, t) for name in names]
         if names == ["pressure"]:  # known but for a constant
@@ -201,7 +202,7 @@ def runs(quick: bool) -> dict[str, Callable]:
 
 
 def criteria(quick: bool) -> list[Criterion]:
-    """Return the bounds that the runs are held to, in the order of the table; ConfigError without sympy."""
+    """Return the bounds of all runs, in the order of the table; ConfigError without sympy."""
     sympy()
     return [criterion for case in (QUICK if quick else CASES) for criterion in bounds(case, quick)]
 
@@ -217,6 +218,6 @@ def bounds(case: str, quick: bool) -> Iterator[Criterion]:
         yield from checks.criteria(order, {*named})
 
 
-def _named(case, quick):
+def _named(case: str, quick: bool) -> dict[str, int]:
     """Return numbers of particles across by the names of the runs of a case."""
     return {f"{case}_{number}": number for number in CASES[case]["across"][: 2 if quick else 3]}

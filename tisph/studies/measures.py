@@ -1,11 +1,14 @@
-"""Measures of whole runs that a suite names in its checks: numbers that take more than arithmetic.
+"""Measures of whole runs that a suite names in its checks: numbers that need more than arithmetic.
 
-Each takes the ``Result`` of one or more runs, whose last sample exists, and parameters by keyword.
+A measure is a function of the ``Result`` of one or more runs, whose last sample exists, and of keyword parameters.
 """
 
 import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
 
@@ -14,22 +17,23 @@ from tisph.measures.channel import integral
 from tisph.measures.fits import interpolated
 from tisph.results import open_run
 from tisph.studies.expressions import Number
+from tisph.studies.processes import Result
 
 NODES = 32
-"""Nodes along the axis, and of Gauss-Legendre across, of the angular momentum: twice as many change it by 1e-6."""
+"""Nodes of the angular momentum, along the axis and (Gauss-Legendre) across: twice as many change it by 1e-6."""
 
 
-def resolved_samples(result) -> int:
-    """Return the number of samples that are called resolved."""
+def resolved_samples(result: Result) -> int:
+    """Return the number of samples whose flow is resolved."""
     return sum(sample["resolved"] for sample in result.summary["samples"])
 
 
-def largest(result, *, number, off=0.0) -> float:
+def largest(result: Result, *, number: str, off: ArrayLike = 0.0) -> float:
     """Return the largest absolute value over all samples of a number, less ``off`` (one value, or one a sample)."""
     return float(np.abs(_series(result, number) - off).max())
 
 
-def largest_velocity(result, *, off, scale) -> float:
+def largest_velocity(result: Result, *, off: float, scale: float) -> float:
     """Return the largest velocity of fluid and bodies at the last sample, less ``off`` along x, over ``scale``.
 
     The angular velocities of the bodies count as velocities of points at a distance of 1.
@@ -41,7 +45,7 @@ def largest_velocity(result, *, off, scale) -> float:
     return max(np.abs(each).max() for each in (*fluid, *bodies)) / scale
 
 
-def pair_off(result, *, field, expected, scale) -> float:
+def pair_off(result: Result, *, field: str, expected: ArrayLike, scale: float) -> float:
     """Return the largest difference of a ``field`` of a pair of bodies from ``expected``, over ``scale``.
 
     The second body of the pair moves opposite to the first one, and turns as it does.
@@ -51,13 +55,13 @@ def pair_off(result, *, field, expected, scale) -> float:
     return float(np.abs(both - expected).max() / scale)
 
 
-def time_difference(first, second, *, number, value) -> float:
-    """Return by how much the times differ at which a falling number of two runs comes to ``value``, relative."""
+def time_difference(first: Result, second: Result, *, number: str, value: float) -> float:
+    """Return the relative difference of the times at which a falling number of two runs reaches ``value``."""
     times = [np.interp(-value, -_series(run, number), _series(run, "t")) for run in (first, second)]
     return abs(times[0] / times[1] - 1)
 
 
-def history_error(result, *, number) -> float:
+def history_error(result: Result, *, number: str) -> float:
     """Return the largest error of a number of history.csv where the flow is resolved, over its largest exact value."""
     history = open_run(result.folder).history
     resolved = history["resolved"] > 0
@@ -65,7 +69,7 @@ def history_error(result, *, number) -> float:
     return np.abs(found - exact).max() / exact.max()
 
 
-def error_near_axis(result, *, sample) -> float:
+def error_near_axis(result: Result, *, sample: int) -> float:
     """Return the largest error of u within three spacings of the axis over the largest one elsewhere.
 
     Near the axis particles have neighbours on one side only. ``sample``: its number, from 0.
@@ -76,8 +80,8 @@ def error_near_axis(result, *, sample) -> float:
     return error[near].max() / error[~near].max()
 
 
-def momentum_off(result, *, drive) -> float:
-    """Return the largest rate of momentum in a cell that drive and drag do not explain, over the larger of these.
+def momentum_off(result: Result, *, drive: float) -> float:
+    """Return the largest residual of the momentum balance in a cell, over the larger of drive and drag.
 
     ``drive``: force on the fluid. Samples are ends and middles of intervals, whose impulses are integrated by Simpson's
     rule.
@@ -89,32 +93,32 @@ def momentum_off(result, *, drive) -> float:
     return np.abs(rest).max() / max(drive, np.abs(drag).max())
 
 
-def momentum_of_all(result, *, density, area, load) -> float:
-    """Return the largest momentum along x of fluid and bodies, which opposite loads keep at 0, over the impulse.
+def momentum_of_all(result: Result, *, density: float, area: float, load: float) -> float:
+    """Return the largest momentum along x of fluid and bodies, which is 0 under opposite loads, over the impulse.
 
-    ``density`` and ``area`` of each body in a fluid of density 1; ``load``: the larger force.
+    ``density``, ``area``: of each body, in a fluid of density 1; ``load``: the larger force.
     """
     bodies = (density - 1.0) * area * result.bodies("velocity")[..., 0].sum(axis=1)
     return np.abs(_series(result, "superficial_velocity") + bodies).max() / (load * result.last["t"])
 
 
-def momentum_of_bodies(result, *, density, area, loads, first) -> float:
-    """Return by how much the momentum of a body along x is off its impulse, over the impulse of the larger load.
+def momentum_of_bodies(result: Result, *, density: float, area: float, loads: Sequence[float], first: int) -> float:
+    """Return the difference of a body's momentum along x to its impulse, over the impulse of the larger load.
 
     ``loads``: force on each body; ``first``: number of the sample at which the integration begins, since the fluid's
     force falls as 1/sqrt(t) at first.
     """
-    t, loads = _series(result, "t")[first:], np.array(loads)
-    impulse = simpson(result.bodies("force")[first:, :, 0] + loads, x=t, axis=0)
+    t = _series(result, "t")[first:]
+    impulse = simpson(result.bodies("force")[first:, :, 0] + np.array(loads), x=t, axis=0)
     velocity = result.bodies("velocity")[first:, :, 0]
-    return np.abs(density * area * (velocity[-1] - velocity[0]) - impulse).max() / (loads.max() * np.ptp(t))
+    return np.abs(density * area * (velocity[-1] - velocity[0]) - impulse).max() / (max(loads) * np.ptp(t))
 
 
-def angular_momentum_off(result) -> float:
-    """Return by how much the angular momentum between cylinders is off the impulse of their torques, relative.
+def angular_momentum_off(result: Result) -> float:
+    """Return the relative residual of the balance of angular momentum between cylinders and the impulses of torques.
 
-    From the first sample to the last, over the larger impulse. The angular momentum is an integral over nodes, whose
-    values come from polynomials of degree 6 through the particles.
+    From the first sample to the last, over the larger impulse. The angular momentum is an integral over nodes; the
+    values there are interpolated by polynomials of degree 6 through the particles.
     """
     history, samples = open_run(result.folder).history, result.summary["samples"]
     ends = samples[0]["t"], samples[-1]["t"]
@@ -123,7 +127,7 @@ def angular_momentum_off(result) -> float:
     return abs(after - before + sum(impulses)) / np.abs(impulses).max()
 
 
-def critical_value(*results, at, expected) -> float:
+def critical_value(*results: Result, at: Sequence[float], expected: float) -> float:
     """Return the relative error of the Reynolds number at which the growth rate is 0.
 
     The rate is a parabola through the runs' rates; ``at``: their Reynolds numbers over the ``expected`` one.
@@ -135,29 +139,38 @@ def critical_value(*results, at, expected) -> float:
     return abs(zeros[np.argmin(np.abs(zeros - 1.0))] - 1.0)
 
 
-def drag_off_table(result, *, weissenberg, drags, viscosity, drive, relaxation_time) -> float:
-    """Return the relative error of the drag on a cylinder of radius 1 in a channel beside a table.
+def drag_off_table(
+    result: Result,
+    *,
+    weissenberg: Sequence[float],
+    drags: Sequence[float],
+    viscosity: float,
+    drive: float,
+    relaxation_time: float,
+) -> float:
+    """Return the relative difference of the drag on a cylinder of radius 1 in a channel to a table.
 
-    ``drags`` over dynamic viscosity and mean velocity, by ``weissenberg`` number, relaxation time * mean velocity over
-    radius. The pressure that falls along the channel pushes the cylinder with the force ``drive`` * pi.
+    ``drags``: drag over dynamic viscosity and mean velocity, at the ``weissenberg`` numbers relaxation time * mean
+    velocity / radius. The pressure gradient along the channel adds the force ``drive`` * pi on the cylinder.
     """
     velocity = result.last["superficial_velocity"]
     found = (result.last["drag"] + drive * math.pi) / (viscosity * velocity)
     return abs(found / float(CubicSpline(weissenberg, drags)(relaxation_time * velocity)) - 1)
 
 
-def intrinsic_viscosity_off(*results, fractions, viscosity, expected) -> float:
-    """Return the relative error of the intrinsic viscosity: (stress - 1)/fraction on a line, at the fraction 0.
+def intrinsic_viscosity_off(*results: Result, fractions: Sequence[float], viscosity: float, expected: float) -> float:
+    """Return the relative error of the intrinsic viscosity: the limit of (stress - 1)/fraction at the fraction 0.
 
-    The stress is that on the walls of a cell of length 1, over dynamic ``viscosity`` and a shear rate of 1.
+    A line through the values at ``fractions`` gives the limit. The stress on the walls of a cell of length 1 is over
+    dynamic ``viscosity`` and a shear rate of 1.
     """
     stresses = [0.5 * (run.last["drag_bottom"] - run.last["drag_top"]) / viscosity for run in results]
     rises = (np.array(stresses) - 1) / fractions
     return abs(np.polyfit(fractions, rises, 1)[1] / expected - 1)
 
 
-def stated_error(result, *finer, field, t) -> float:
-    """Return the error of a ``field`` at the time ``t`` that a run states of itself, over the true error.
+def stated_error(result: Result, *finer: Result, field: str, t: float) -> float:
+    """Return the estimated error of a ``field`` at the time ``t`` over the true error.
 
     The true error is relative, L2 over the particles: the difference from the exact solution, or from a ``finer`` run.
     ``field``: velocity or pressure.
@@ -172,7 +185,7 @@ def stated_error(result, *finer, field, t) -> float:
     return math.nan if stated is None else stated / true
 
 
-MEASURES = {
+MEASURES: dict[str, Callable[..., float]] = {
     function.__name__: function
     for function in (
         resolved_samples,
@@ -192,22 +205,23 @@ MEASURES = {
         stated_error,
     )
 }
-"""Functions by the name that ``measure`` in a suite gives."""
+"""Value of ``measure`` in a suite -> function."""
 
 
-def _series(result, number):
-    """Values of a number at all samples."""
+def _series(result: Result, number: str) -> np.ndarray:
+    """Return the values of a number at all samples."""
     expression = Number(number, "with")
     return np.array([expression(result, sample) for sample in result.summary["samples"]], dtype=float)
 
 
-def _impulse(t, torque, ends):
+def _impulse(t: np.ndarray, torque: np.ndarray, ends: tuple[float, float]) -> float:
     known = np.isfinite(torque)  # there is none at the start
     return np.diff(np.interp(ends, t[known], integral(t[known], torque[known])))[0]
 
 
-def _angular_momentum(result, place):
-    scene, arrays = scenes.of(open_run(result.folder).config), result.arrays()
+def _angular_momentum(result: Result, place: int) -> float:
+    scene: Any = scenes.of(open_run(result.folder).config)
+    arrays = result.arrays()
     x, y, w = (arrays[f"sample_{place:03d}/{name}"] for name in "xyw")
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     radii = scene.inner_radius + scene.extent[1] * 0.5 * (nodes + 1.0)
@@ -217,8 +231,8 @@ def _angular_momentum(result, place):
     return scene.density * scene.length * np.pi * scene.extent[1] * np.sum(weights * radii**2 * swirl)
 
 
-def _off_finer(field, place, result, finer):
-    """Relative L2 difference of a field from that of a finer run, over the particles of the coarser one."""
+def _off_finer(field: str, place: int, result: Result, finer: Result) -> float:
+    """Return the relative L2 difference of a field to the field of a finer run, over the particles of the coarser."""
     names, points, values = {"velocity": "uv", "pressure": ["pressure"]}[field], [], []
     for run in (result, finer):
         arrays, sample = run.arrays(), f"sample_{place:03d}"

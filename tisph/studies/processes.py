@@ -1,8 +1,7 @@
-"""Runs as processes of their own, so that none can touch another, and their results.
+"""Runs as separate processes, so that no run can affect another, and their results.
 
-Where processes can be forked safely, that is on Linux, a server imports the modules of a run once, and is forked for
-each run before Taichi is initialised. The run is a process like any other, and starts a second sooner. Elsewhere each
-run imports its modules itself.
+On Linux a server imports the modules of a run once and is forked for each run, before Taichi is initialised: the run
+starts a second sooner. On other systems, where a fork is not safe, each run imports its modules itself.
 """
 
 import math
@@ -11,10 +10,11 @@ import os
 import runpy
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +27,7 @@ METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 COMPILED = ("tisph.schemes._channel.scheme", "tisph.schemes.wcsph._scheme")
 MODELS = (*registry.modules("scenes"), *registry.modules("schemes"))
 IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
-"""Modules that the server imports; a run imports the others that it needs."""
+"""Modules that the server imports; a run imports any others itself."""
 
 POLL_SECONDS = 0.02
 
@@ -37,41 +37,45 @@ class Result:
     """The folder of a run and the contents of its ``summary.json``."""
 
     folder: Path
-    summary: dict
+    summary: dict[str, Any]
 
-    def sample(self, time, key="t_star"):
-        """The sample at a ``time``, which ``key`` of samples has, t or t_star; None where there is none."""
+    def sample(self, time: float, key: str = "t_star") -> dict[str, Any] | None:
+        """Return the sample at a ``time``, the value of its ``key``, t or t_star; None without such a sample."""
         samples = self.summary.get("samples", ())
         return next((one for one in samples if math.isclose(one[key], time, rel_tol=1e-9)), None)
 
     @property
-    def last(self):
-        """The sample at the end of the run; None where that was not reached."""
+    def last(self) -> Any:
+        """The sample at the end of the run, a dict; None where the run stopped earlier."""
         return self.summary["samples"][-1] if self.summary["status"] == "done" else None
 
     @property
-    def closure(self):
+    def closure(self) -> float:
         """Relative residual of the momentum balance of the run; NaN where there is no balance."""
         closure = self.summary.get("momentum", {}).get("closure")
         return math.nan if closure is None else closure
 
     @property
-    def reference_velocity(self):
+    def reference_velocity(self) -> float:
         """Velocity by which the run's errors are divided."""
         return self.summary["numbers"]["reference_velocity"]
 
-    def arrays(self):
-        """Contents of ``samples.h5`` as {"sample/dataset": array}; empty where there is no such file."""
+    def arrays(self) -> dict[str, np.ndarray]:
+        """Return the contents of ``samples.h5`` as {"sample/dataset": array}; empty without such a file."""
         path = Folder(self.folder).samples
         return dict(Arrays(path)) if path.is_file() else {}
 
-    def bodies(self, field):
-        """A ``field`` of ``tisph.snapshot.Bodies`` at all samples, (samples, bodies, ...)."""
+    def bodies(self, field: str) -> np.ndarray:
+        """Return a ``field`` of ``tisph.snapshot.Bodies`` at all samples, (samples, bodies, ...)."""
         arrays = self.arrays()
         return np.array([arrays[key] for key in sorted(arrays) if key.endswith(f"bodies/{field}")])
 
 
-def prepare():
+Outcomes = Generator[tuple[str, Result, str], None, None]
+"""Names of runs, their ``Result`` and their error message, empty if done, in the order in which the runs end."""
+
+
+def prepare() -> None:
     """Start the server in the background, unless it runs already or processes are not forked."""
     if METHOD == "forkserver":
         from multiprocessing import forkserver  # not everywhere
@@ -83,32 +87,34 @@ def prepare():
 def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProcess:
     """Start the command line with ``arguments`` and return its ``multiprocessing.Process``.
 
-    Its standard error goes to the file ``messages``, its standard output nowhere.
+    Its standard error goes to the file ``messages``; its standard output is discarded.
     """
     prepare()
     words = [str(each) for each in arguments]
-    process = multiprocessing.get_context(METHOD).Process(target=_be, args=(words, str(messages)))
+    context: Any = multiprocessing.get_context(METHOD)  # the type of a context without a method has no Process
+    process = context.Process(target=_run_command, args=(words, str(messages)))
     process.start()
     return process
 
 
-def _be(arguments, messages):
-    """Be that process: as ``python -m tisph`` with ``arguments``."""
+def _run_command(arguments: list[str], messages: str) -> None:
+    """Run ``python -m tisph`` with ``arguments`` in this process."""
     version.PROCESS_START = time.perf_counter()
     for path, descriptor in ((os.devnull, 1), (messages, 2)):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(file, descriptor)
         os.close(file)
-    sys.stderr.reconfigure(encoding="utf-8")  # as which messages are read
+    stderr: Any = sys.stderr
+    stderr.reconfigure(encoding="utf-8")  # the encoding in which ``Process`` reads the messages
     sys.argv[1:] = arguments
     runpy.run_module("tisph", run_name="__main__")
 
 
 class Process:
-    """``tisph run`` of the config ``config_path`` into ``folder``, in place of an earlier run there.
+    """``tisph run`` of the config ``config_path`` into ``folder``, without pictures; it replaces an earlier run there.
 
-    With ``resume`` it continues the earlier run from its checkpoint instead. ``estimated``: it states its error, too.
-    After ``seconds`` it is ended. It leaves no pictures.
+    With ``resume`` it continues the earlier run from its checkpoint instead. ``estimated``: add ``--estimate-error``.
+    After ``seconds`` it is stopped.
     """
 
     def __init__(
@@ -122,12 +128,19 @@ class Process:
         self.folder = folder
         self._seconds, self._began, self._late = seconds, time.perf_counter(), False
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
-        command = ["run", config_path, "--out", folder, "--no-pictures", "--resume" if resume else "--overwrite"]
+        command: list[Any] = [
+            "run",
+            config_path,
+            "--out",
+            folder,
+            "--no-pictures",
+            "--resume" if resume else "--overwrite",
+        ]
         self._process = start([*command, "--estimate-error"] if estimated else command, self._messages)
 
     @property
-    def finished(self):
-        """Whether it has ended, or has been ended because it was late."""
+    def finished(self) -> bool:
+        """Whether the process has ended; one that is late is stopped here."""
         if self._process.exitcode is None:
             self._late = time.perf_counter() - self._began > self._seconds
             if not self._late:
@@ -135,8 +148,8 @@ class Process:
             self.stop()
         return True
 
-    def outcome(self):
-        """``Result`` of the run and its error message, empty if it is done. Waits for the end."""
+    def outcome(self) -> tuple[Result, str]:
+        """Wait for the end; return the ``Result`` of the run and its error message, empty if it is done."""
         if self._late:
             return read_result(self.folder), f"no end after {self._seconds:.0f} s"
         self._process.join()
@@ -145,16 +158,16 @@ class Process:
         message = result.summary.get("message") or self._error() or f"exit status {status}"
         return result, message if status else ""
 
-    def stop(self):
-        """End it after its present step, if it still runs."""
+    def stop(self) -> None:
+        """Stop the run after its present step, if it still runs, and remove its messages."""
         if self._process.exitcode is None:
             self._process.terminate()
             self._process.join()
         with suppress(OSError):
             self._messages.unlink()
 
-    def _error(self):
-        """Its standard error without the lines of its progress."""
+    def _error(self) -> str:
+        """Return the standard error without its progress lines."""
         if not self._messages.exists():
             return ""
         text = self._messages.read_text(encoding="utf-8", errors="replace")
@@ -162,13 +175,13 @@ class Process:
 
 
 def read_result(folder: Path) -> Result:
-    """``Result`` of the finished run in ``folder``; of status ``failed`` where it left no summary."""
+    """Return the ``Result`` of the finished run in ``folder``; its status is ``failed`` if there is no summary."""
     return Result(folder, Folder(folder).read_summary())
 
 
-def run_config(config_path: Path, folder: Path, estimated: bool = False) -> tuple[Result, str]:
-    """Run one config: its ``Result``, and its error message, empty if it is done. ``estimated``: see ``Process``."""
-    process = Process(config_path, folder, estimated=estimated)
+def run_config(config_path: Path, folder: Path, resume: bool = False, estimated: bool = False) -> tuple[Result, str]:
+    """Run one config; return its ``Result`` and its error message, empty if it is done. Options: see ``Process``."""
+    process = Process(config_path, folder, resume, estimated=estimated)
     try:
         return process.outcome()
     finally:
@@ -176,29 +189,23 @@ def run_config(config_path: Path, folder: Path, estimated: bool = False) -> tupl
 
 
 def run_resumed(config_path: Path, folder: Path) -> tuple[Result, str]:
-    """Run one config that writes checkpoints, end it after its first one, and go on from there: as ``run_config``."""
+    """Run one config that writes checkpoints, stop it after its first checkpoint, and resume it: as ``run_config``."""
     first = Process(config_path, folder)
     try:
         while not (first.finished or Folder(folder).checkpoint.is_file()):
             time.sleep(POLL_SECONDS)
     finally:
         first.stop()
-    second = Process(config_path, folder, resume=True)
-    try:
-        return second.outcome()
-    finally:
-        second.stop()
+    return run_config(config_path, folder, resume=True)
 
 
-def run_side_by_side(
-    names: Iterable[str], launch: Callable[[str], Process], most: int
-) -> Iterator[tuple[str, Result, str]]:
-    """Run ``launch(name)``, which returns a ``Process``, for each of ``names``, at most ``most`` at once.
+def run_side_by_side(names: Iterable[str], launch: Callable[[str], Process], most: int) -> Outcomes:
+    """Run ``launch(name)`` for each of ``names``, at most ``most`` at a time; yield the outcomes as the runs end.
 
-    Yields (name, ``Result``, message) as they end. Those that still run when the caller gives up are stopped.
+    Processes that still run when the caller stops iterating are stopped.
     """
     waiting = list(names)
-    running = {}
+    running: dict[str, Process] = {}
     try:
         while waiting or running:
             while waiting and len(running) < most:

@@ -1,7 +1,7 @@
-"""Cells of the stability matrix, their configs, and the forecast of each run.
+"""Cells of the stability matrix, their configs, and the plan of each run.
 
-The data are in ``suites/stability.yaml``. A time is counted in lengths over reference velocity; in a channel t* = 1 is
-at t = Re, in all other flows at t = 1.
+The data are in ``suites/stability.yaml``. The unit of time is length over reference velocity; t* = 1 is at t = Re in a
+channel, at t = 1 in all other flows.
 """
 
 import re
@@ -29,7 +29,7 @@ DATA = study("stability")
 AXES = DATA["covering"]
 
 TOLERANCE, STRAIN = 3e-7, 0.5
-"""Defaults of scheme ``implicit``, which step multiples start from."""
+"""Defaults of scheme ``implicit``, which ``Cell.step`` multiplies."""
 
 ELASTIC_TOLERANCE, ELASTIC_STRAIN = ELASTIC_STEPS["balanced"]
 """Defaults of ``auto`` for viscoelastic fluids, whose steps are three times as long."""
@@ -41,41 +41,44 @@ SCHEMES = {"explicit": "exp", "implicit 2": "imp2", "implicit 4": "imp4"}
 """Schemes and orders, and their short names."""
 
 STABLE, FINISHED, FLAGGED, REFUSED = "stable", "finished", "flagged", "refused"
-"""Requirements: a stable run; one that finishes without growth, with an error that the map has; anything but a silent
-failure, that is a wrong result without a warning; that ``tisph check`` refuses it."""
+"""Requirements. ``STABLE``: a stable run. ``FINISHED``: a run that finishes without growth, with its error in the map.
+``FLAGGED``: anything but a silent failure, that is a wrong result without a warning. ``REFUSED``: ``tisph check``
+refuses the config."""
 
 UNBALANCED, FINER, BOTH_STRESSES, EXACT = "unbalanced", "finer", "both_stresses", "exact"
-"""Errors that samples do not have. The sum of the forces on all bodies and walls over the largest of them. The
-difference to a run with twice the particles across: of the drag, of free bodies' velocities, of the torque and the
-radial velocity of Taylor's vortices. The difference between the shear stresses by the bodies and on the walls. The
-largest of the errors of the velocity (L2) and of the loads on the walls."""
+"""Errors that are computed from several numbers of a sample. ``UNBALANCED``: the sum of the forces on all bodies and
+walls over the largest force. ``FINER``: the difference to a run with twice the particles across, of the drag, of free
+bodies' velocities, or of the torque and the radial velocity of Taylor's vortices. ``BOTH_STRESSES``: the relative
+difference between the shear stresses by the bodies and on the walls. ``EXACT``: the largest of the errors of the
+velocity (L2) and of the loads on the walls."""
 
 PREDICTABLE = 5.0
-"""Time, in lengths over speed, up to which vortices can be compared at Reynolds numbers above 1000: disturbances of
-their size grow by a factor e in 2, there is nothing to damp them, and the exact flow is one that no run can stay on."""
+"""Time [length/speed] up to which vortices can be compared at Reynolds numbers above 1000. Undamped disturbances of
+their size grow by a factor e in a time of 2, so that no run can follow the exact flow for longer."""
 
 COMPARED_ACROSS, FINER_JITTER = 24, 0.3
 """Particles across up to which a run is compared with a finer one, and the jitter of the finer one."""
 
 RESOLVED = 10.0
-"""Cell Reynolds number up to which a flow between curved walls has to be stable, 12 across or more."""
+"""Cell Reynolds number up to which a flow between curved walls must be stable with 12 particles across or more."""
 
 LEAST_COLUMNS = 10
 """Particles along the channel that the neighbour search of the explicit scheme needs."""
 
 LARGEST_REYNOLDS = 1000.0
-"""Where the elasticity number is given: steps, limited by strain, are about as many as the Reynolds number."""
+"""Largest Reynolds number of a cell of given elasticity number; the steps, limited by strain, are about as many."""
 
 WAVES = 3
-"""Times that an elastic wave crosses the gap there: it takes sqrt(E) viscous times, E the elasticity number."""
+"""Times that an elastic wave crosses the gap in such a cell; a crossing takes sqrt(E) viscous times, E the elasticity
+number."""
 
 
 @dataclass(frozen=True)
 class Flow:
     """A flow of a ``family`` of ``stability.yaml``: its ``kind`` and ``config``, and the values of ``names`` in it.
 
-    ``measure``: the error that is judged, None without a reference; ``peak``: bound of the speed in reference
-    velocities, see ``Scene.peak_velocity``; ``largest``: error of a stable run between curved walls, 12 across.
+    ``measure``: the error that is judged, None without a reference; ``peak``: bound of the speed over the reference
+    velocity, see ``Scene.peak_velocity``; ``largest``: largest error of a stable run between curved walls, 12 across.
     """
 
     family: str
@@ -103,15 +106,15 @@ def flow_of(name: str) -> Flow:
     raise KeyError(name)
 
 
-def _family(name):
+def _family(name: str) -> dict[str, Any]:
     data = dict(DATA["flows"][name])
     return merged(_family(data.pop("like")), data) if "like" in data else data
 
 
-def _parameters(family, name, names):
-    """Return the values of the parameters in the braces of a family's name; None where ``name`` is of another one."""
+def _parameters(family: str, name: str, names: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the values of the parameters in the braces of a family's name; None if ``name`` is in another family."""
 
-    def group(braces):
+    def group(braces: re.Match) -> str:
         words = names.get(braces[1])
         choices = "|".join(map(re.escape, words)) if isinstance(words, dict) else r"[\d.]+"
         return f"(?P<{braces[1]}>{choices})"
@@ -128,8 +131,9 @@ class Cell:
 
     ``flow``: one of ``stability.yaml``; ``jitter`` in spacings; ``scheme``: a key of ``SCHEMES``; ``step``: length of
     the steps over the default; ``sound``: sound speed over the fastest velocity scale (explicit scheme only);
-    ``aspect``: length of a channel over its gap; ``solvent``: its part of the viscosity of an Oldroyd-B fluid, by
-    default the smallest for which the explicit scheme is verified; ``t_star``: end of the run, if there is time for it.
+    ``aspect``: length of a channel over its gap; ``solvent``: solvent viscosity over the viscosity of an Oldroyd-B
+    fluid, by default the smallest for which the explicit scheme is verified; ``t_star``: end of the run, if the budget
+    of seconds allows it.
     """
 
     flow: str = "couette"
@@ -147,7 +151,7 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """Name of its run: flow, Reynolds number, jitter, resolution and scheme, then values besides the defaults."""
+        """Name of the run: flow, Reynolds number, jitter, resolution and scheme, then values that are not defaults."""
         parts = [self.flow, f"re{self.reynolds:g}", f"j{self.jitter:g}", f"n{self.across}", SCHEMES[self.scheme]]
         usual = Cell()
         special = {
@@ -163,9 +167,10 @@ class Cell:
 
     @property
     def baseline(self) -> "Cell":
-        """The same cell from the lattice; of a two-dimensional flow, where a lattice is no calmer, the cell itself.
+        """The cell with which this one is compared: the same one from the lattice.
 
-        A run that is compared with a finer one has that with twice the particles across, the same for every jitter.
+        In two-dimensional flow, where a run from the lattice is no calmer, it is the cell itself. The baseline of an
+        error ``FINER`` has twice the particles across, and is the same for every jitter.
         """
         if self.measure == FINER and self.across <= COMPARED_ACROSS and self.flow not in DATA["refused"]:
             return replace(self, across=2 * self.across, jitter=FINER_JITTER)
@@ -183,8 +188,8 @@ class Cell:
         return all(getattr(self, key) == getattr(defaults, key) for key in ("treatment", "step", "sound"))
 
     @property
-    def weissenberg(self) -> float | None:
-        """Relaxation time times wall speed over gap, of an Oldroyd-B fluid in a channel; else None."""
+    def weissenberg(self) -> Any:
+        """Relaxation time * wall speed / gap of an Oldroyd-B fluid in a channel, a float; else None."""
         return None if self.two_dimensional else flow_of(self.flow).names.get("weissenberg")
 
     @property
@@ -194,17 +199,17 @@ class Cell:
 
     @property
     def elasticity(self) -> float:
-        """Relaxation time over the viscous time, of an Oldroyd-B fluid."""
+        """Relaxation time over viscous time of an Oldroyd-B fluid."""
         return digits(self.weissenberg / self.reynolds)
 
     @property
     def kind(self) -> str:
-        """``channel``; ``doubly_periodic``, in a square; ``curved_walls``, between them, in a cavity, around bodies."""
+        """``channel``, ``doubly_periodic`` (a square), or ``curved_walls`` (also a cavity, and bodies in the flow)."""
         return flow_of(self.flow).kind
 
     @property
     def two_dimensional(self) -> bool:
-        """Whether the flow is two-dimensional, so that no particle stays in its layer."""
+        """Whether the flow is two-dimensional: particles leave their layers."""
         return self.kind != "channel"
 
     @property
@@ -232,7 +237,7 @@ class Cell:
 
     @property
     def required(self) -> bool:
-        """Whether something is required of the result."""
+        """Whether the run must be stable, or finish."""
         return self.requirement in (STABLE, FINISHED)
 
     def config(self, t_star: float) -> dict[str, Any]:
@@ -242,12 +247,12 @@ class Cell:
         names = {**flow.names, **vars(self), "nu": 1.0 / self.reynolds, "end": end}
         return filled(merged(DATA["config"], DATA["kinds"][flow.kind], flow.config, self._scheme_change()), names)
 
-    def _scheme_change(self):
+    def _scheme_change(self) -> dict[str, Any]:
         if self.scheme == "explicit":
             state = {"sound_speed": "auto" if self.sound == SCALE_RATIO else self._sound_speed()}
             change = {"scheme": {"type": "wcsph", "equation_of_state": state}}
             return merged(change, {"time": {"cfl": AUTO_CFL * self.step}} if self.step != 1.0 else {})
-        scheme = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
+        scheme: dict[str, Any] = {"type": "implicit", "operators": {"order": int(self.scheme[-1])}}
         if self.two_dimensional:  # other steps than the default are not controlled by their error
             usual = {} if self.kind == "curved_walls" else {"tolerance": TWO_DIMENSIONAL_TOLERANCE}
             steps = usual if self.step == 1.0 else {"cfl": digits(COURANT * self.step)}
@@ -259,8 +264,8 @@ class Cell:
             "time": {"tolerance": digits(tolerance * self.step**3)},
         }
 
-    def _sound_speed(self):
-        """Sound speed for ``sound`` times the velocity scale that sets an automatic one."""
+    def _sound_speed(self) -> float:
+        """Return the sound speed: ``sound`` times the velocity scale that sets an automatic sound speed."""
         nu = 1.0 / self.reynolds
         relaxation = self.weissenberg
         automatic = sound_speed(
@@ -276,7 +281,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class SubMatrix:
-    """Cells under a title, and the axes along which the columns and rows of their map go; none for a list by axis."""
+    """Cells under a title, and the axes of the columns and rows of their map; without axes they are counted by axis."""
 
     title: str
     cells: tuple[Cell, ...]
@@ -285,9 +290,9 @@ class SubMatrix:
 
 
 def sub_matrices(quick: bool = False, only: str | None = None) -> list[SubMatrix]:
-    """All sub-matrices, or a few short cells of every kind, in a fixed order; cells may be in several of them.
+    """Return all sub-matrices, or if ``quick`` a few short cells of every kind, in a fixed order.
 
-    ``only``: those with this text in their title; ValueError where there is none.
+    A cell may be in several of them. ``only``: text in the titles; ValueError where no title has it.
     """
     parts = _parts("quick" if quick else "full")
     chosen = [part for part in parts if only is None or only in part.title]
@@ -298,40 +303,45 @@ def sub_matrices(quick: bool = False, only: str | None = None) -> list[SubMatrix
 
 
 def cells(chosen: Iterable[SubMatrix]) -> list[Cell]:
-    """Every cell of sub-matrices once, each after its baseline."""
+    """Return every cell of sub-matrices once, each after its baseline."""
     return list(dict.fromkeys(each for part in chosen for cell in part.cells for each in (cell.baseline, cell)))
 
 
 @cache  # the covering set is a second of work
-def _parts(extent):
-    return [_part(**given) for given in DATA[extent]]
-
-
-def _part(title, grids=None, columns=(), rows=()):
-    """A sub-matrix of ``stability.yaml``; without grids it is the covering set."""
-    if grids is None:
-        return SubMatrix(title, tuple(Cell(**row) for row in covering_set(AXES, covered)))
-    return SubMatrix(title, sum((grid(**values) for values in grids), ()), tuple(columns), tuple(rows))
+def _parts(extent: str) -> list[SubMatrix]:
+    """Return the sub-matrices of ``stability.yaml``; the one without grids is the covering set."""
+    parts = []
+    for data in DATA[extent]:
+        if "grids" in data:
+            found = sum((grid(**values) for values in data["grids"]), ())
+        else:
+            found = tuple(Cell(**row) for row in covering_set(AXES, covered))
+        parts.append(SubMatrix(data["title"], found, tuple(data.get("columns", ())), tuple(data.get("rows", ()))))
+    return parts
 
 
 def grid(**values: Any) -> tuple[Cell, ...]:
-    """All cells that there are with one of the values of every named axis, the last axis varying fastest."""
+    """Return all existing cells with one of the values of every named axis, the last axis varying fastest.
+
+    A cell of a given ``elasticity`` runs until waves have crossed the gap ``WAVES`` times.
+    """
     choices = [each if isinstance(each, list | tuple) else [each] for each in values.values()]
     rows = [dict(zip(values, chosen, strict=True)) for chosen in product(*choices)]
-    found = [_cell(**row) for row in rows if exists(row)]
-    return tuple(cell for cell in found if "elasticity" not in values or cell.reynolds <= LARGEST_REYNOLDS)
-
-
-def _cell(elasticity=None, **values):
-    """A cell; one of a given elasticity number runs until waves have crossed the gap ``WAVES`` times."""
-    if elasticity is not None:
-        values["reynolds"] = digits(Cell(flow=values["flow"]).weissenberg / elasticity)
-        values["t_star"] = max(1.0, round(WAVES * elasticity**0.5))
-    return Cell(**values)
+    found = []
+    for row in rows:
+        if not exists(row):
+            continue
+        elasticity = row.pop("elasticity", None)
+        if elasticity is not None:
+            row["reynolds"] = digits(Cell(flow=row["flow"]).weissenberg / elasticity)
+            row["t_star"] = max(1.0, round(WAVES * elasticity**0.5))
+        if elasticity is None or row["reynolds"] <= LARGEST_REYNOLDS:
+            found.append(Cell(**row))
+    return tuple(found)
 
 
 def exists(values: dict[str, Any]) -> bool:
-    """Whether a config can have these values of axes together, of which some may be missing."""
+    """Return whether a config can have these ``values`` (axis -> value) together; axes may be missing."""
     across, aspect = values.get("across"), values.get("aspect")
     if across and aspect and (across * aspect % 1 or across * aspect < LEAST_COLUMNS):
         return False
@@ -343,18 +353,18 @@ def exists(values: dict[str, Any]) -> bool:
 
 
 def covered(values: dict[str, Any]) -> bool:
-    """Whether the covering set has these values together; viscoelastic fluids have sub-matrices of their own."""
+    """Return whether the covering set has these values together; viscoelastic fluids have their own sub-matrices."""
     viscoelastic = Cell(flow=values.get("flow", "couette")).has_polymer
     return exists(values) and not (viscoelastic and values.get("scheme", "explicit") != "explicit")
 
 
 def covering_set(axes: dict[str, list], exists: Callable[[dict], bool]) -> list[dict[str, Any]]:
-    """Return rows, dicts with a value of every axis, that together have every possible pair of values.
+    """Return rows, dicts with a value of every axis, that together contain every possible pair of values.
 
-    ``axes``: values by the name of the axis. ``exists(values)``: whether two values, a dict of two axes, can be had
-    together. Greedy: each row is the first of those that bring the most new pairs, so that the set is always the same.
-    Two libraries were tried: allpairspy 2.5 misses 19 of 622 pairs of the matrix, because of the values that exclude
-    one another; covertable 3.2 finds them all, in 45 rows, where this needs 48.
+    ``axes`` (name -> values). ``exists(values)``: whether two values, a dict of two axes, can occur together. The
+    algorithm is greedy and deterministic: each row is the first one with the most new pairs. Two libraries were tried:
+    allpairspy 2.5 misses 19 of 622 pairs of the matrix, because some values exclude one another; covertable 3.2 finds
+    all pairs in 45 rows, this function in 48.
     """
     values = [(name, value) for name, choices in axes.items() for value in choices]
     sizes = [len(choices) for choices in axes.values()]
@@ -379,8 +389,8 @@ def covering_set(axes: dict[str, list], exists: Callable[[dict], bool]) -> list[
 class Plan:
     """The run of a cell: its config, its end t*, its estimated ``seconds``, and the forecast of ``tisph check``.
 
-    ``predicted``: the error that it states, ``refusal``: why it is refused, both None where there is none;
-    ``warnings``: texts.
+    ``predicted``: the predicted error, None without a prediction; ``warnings``: texts; ``refusal``: why the config is
+    refused, else None.
     """
 
     cell: Cell
@@ -410,8 +420,8 @@ def plan(cell: Cell, forecast: Callable, folder: Path) -> Plan:
     return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
 
 
-def _checked(cell, t_star, forecast, folder):
-    """Forecast of the last sample, by which the cell is judged."""
+def _checked(cell: Cell, t_star: float, forecast: Callable, folder: Path) -> tuple[dict[str, Any], list[str]]:
+    """Return the forecast of the last sample, by which the cell is judged."""
     config = cell.config(t_star)
     last = {**config, "time": {**config["time"], "samples": config["time"]["samples"][-1:]}}
     path = folder / "config.yaml"
@@ -419,15 +429,16 @@ def _checked(cell, t_star, forecast, folder):
     return forecast(load(path))
 
 
-def _seconds(cell, numbers):
+def _seconds(cell: Cell, numbers: dict[str, Any]) -> float:
     step, particle = DATA["seconds"][cell.scheme]
     return numbers["steps"] * (step + numbers["particles"] * particle)
 
 
-def _budget(cell):
+def _budget(cell: Cell) -> float:
+    """Return the longest run time of a cell [s]; a longer run ends at an earlier t*."""
     budget = DATA["budget"]
     if cell.measure == FINER:
-        return budget[STABLE]  # it has to end when the run that it is compared with does
+        return budget[STABLE]  # both runs that are compared must end at the same time
     double = cell.precision == "f64" or cell.requirement == FINISHED
     compared = (cell.across == 25 or cell.kind == "curved_walls") and double
     return budget.get(cell.requirement, budget[FLAGGED]) if compared else budget[FLAGGED]

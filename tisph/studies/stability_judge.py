@@ -1,9 +1,9 @@
 """Judgement of a cell from the summary of its run: stable, inaccurate, stopped, refused or a silent failure.
 
-Errors are ``Cell.measure``. Two things are known without the exact solution of a user's own flow, and a run is held
-to both: the baseline, the same run from the lattice, and the forecast of ``tisph check``, its warnings and, where it
-states one, its error. A two-dimensional flow has no calmer run from the lattice: it is held to bounds of its own, an
-even distribution of the particles, no gain of energy unless walls drive it, and a small error.
+Errors are ``Cell.measure``. A run between plane walls is compared with two things that exist without the exact solution
+of a user's own flow: the baseline, the same run from the lattice, and the forecast of ``tisph check``, its warnings and
+its predicted error. In two-dimensional flow, where a run from the lattice is no calmer, there are bounds instead: for
+the distribution of the particles, for the energy, which may not grow unless walls drive the flow, and for the error.
 """
 
 import math
@@ -26,16 +26,16 @@ MEETS = {STABLE: VERDICTS[:1], FINISHED: VERDICTS[:2], FLAGGED: VERDICTS[:4], RE
 """Verdicts that meet each requirement."""
 
 GROWS = "grows"
-"""Word in the reason of a verdict that fails the requirement ``FINISHED`` nevertheless."""
+"""Word in a reason: such a run misses the requirement ``FINISHED``."""
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """A verdict of ``VERDICTS``, why it is no better, whether the requirement is met, and the numbers behind it.
+    """A verdict of ``VERDICTS``, why it is no better, whether the requirement is met, and the numbers of the run.
 
     ``error`` and ``baseline_error``, ``transverse_velocity`` over the reference velocity, ``density_variation``,
-    ``max_void_radius`` and ``min_distance`` in spacings: at the last sample; None where there is none. ``steps`` and
-    wall-clock ``seconds`` that the run took.
+    ``max_void_radius`` and ``min_distance`` in spacings: at the last sample, None where they do not exist. ``steps``
+    and wall-clock ``seconds`` of the run.
     """
 
     plan: Plan
@@ -53,7 +53,7 @@ class Judgement:
 
     @property
     def cell(self) -> Cell:
-        """Its cell."""
+        """The cell of the plan."""
         return self.plan.cell
 
     @property
@@ -63,7 +63,7 @@ class Judgement:
 
     @property
     def short(self) -> str:
-        """The verdict in a word, with the error of a run that finished, where it has one; if stable the error alone."""
+        """The verdict in a word, with the error of a run that finished; of a stable run the error alone."""
         number = "" if self.error is None else f"{self.error:.0e}".replace("e-0", "e-")
         if not number or self.verdict in ("stopped", "refused"):
             return self.verdict
@@ -84,7 +84,7 @@ def judge(plan: Plan, summary: dict[str, Any], message: str, baseline: dict[str,
             each["error"] = _off_finer(sample, fine)
     compared = baseline["status"] == "done" and not cell.two_dimensional
     errors = [sample[cell.measure] for sample in baseline["samples"]] if compared else []
-    # some flows are exact on a lattice, and no measure of others
+    # some flows are exact on a lattice, where the error of the baseline is no measure of the error with disorder
     compared_errors = errors if cell.requirement == STABLE else []
     verdict, reason = _verdict(plan, summary["status"], message, found, compared_errors)
     last = found[-1] if found else {}
@@ -101,9 +101,9 @@ def judge(plan: Plan, summary: dict[str, Any], message: str, baseline: dict[str,
     )
 
 
-def _numbers(cell, sample, summary):
-    """Judged numbers of a ``sample``."""
-    error = sample.get(cell.measure)
+def _numbers(cell: Cell, sample: dict[str, Any], summary: dict[str, Any]) -> dict[str, Any]:
+    """Return the numbers of a ``sample`` that are judged."""
+    error = sample.get(cell.measure) if cell.measure else None
     if cell.measure == stability.UNBALANCED:
         error = _unbalanced(sample, summary["samples"])
     elif cell.measure == EXACT:
@@ -123,10 +123,11 @@ def _numbers(cell, sample, summary):
     }
 
 
-def _off_finer(sample, fine):
-    """Error of the drags; of free bodies, of all velocities over the largest, in lengths and speeds.
+def _off_finer(sample: dict[str, Any], fine: dict[str, Any]) -> float:
+    """Return the largest difference of a sample to the sample of the finer run.
 
-    Of Taylor's vortices, of the torque, and of the radial velocity over the inner speed.
+    Taylor's vortices: of the torque, relative, and of the radial velocity over the inner speed. Free bodies: of all
+    velocities, over the largest one. Else of the drags, relative.
     """
     if "radial_velocity" in sample:
         torque = sample["torque_inner"] / fine["torque_inner"] - 1.0
@@ -139,15 +140,18 @@ def _off_finer(sample, fine):
     return max(abs(sample[name] / fine[name] - 1.0) for name in drags)
 
 
-def _off_exact(cell, sample):
-    """L2 of the velocity, or the error of the loads on walls over the largest, or over the one by a shear rate of 1."""
+def _off_exact(cell: Cell, sample: dict[str, Any]) -> float:
+    """Return the larger of the L2 error of the velocity and the largest error of the loads on walls.
+
+    Errors of loads are over the largest load, which is at least the load by a shear rate of 1.
+    """
     loads = {name.removesuffix("_exact"): sample[name] for name in sample if name.endswith("_exact")}
     largest = max(2.0 * math.pi / cell.reynolds, *map(abs, loads.values()))
     return max(sample["l2"], *(abs(sample[name] - exact) / largest for name, exact in loads.items()))
 
 
-def _unbalanced(sample, samples):
-    """None where the forces still change from sample to sample."""
+def _unbalanced(sample: dict[str, Any], samples: list[dict[str, Any]]) -> float | None:
+    """Return the sum of all forces over the largest; None while the forces still change from sample to sample."""
     at = samples.index(sample)
     drags, before = (
         [value for name, value in each.items() if name.startswith("drag") and not name.startswith("drag_pressure")]
@@ -158,7 +162,9 @@ def _unbalanced(sample, samples):
     return abs(sum(drags)) / largest if at and change <= BOUNDS.steady * largest else None
 
 
-def _verdict(plan, status, message, found, baseline_errors):
+def _verdict(
+    plan: Plan, status: str, message: str, found: list[dict[str, Any]], baseline_errors: list[float]
+) -> tuple[str, str]:
     """Return verdict and reason; the reason is empty for a stable run."""
     if status == "diverged" and message:
         return "stopped", message
@@ -178,10 +184,10 @@ def _verdict(plan, status, message, found, baseline_errors):
     return ("inaccurate", "; ".join(faults)) if faults else ("stable", "")
 
 
-def _channel_faults(plan, found, baseline_errors) -> Iterator[str]:
-    """Yield in words the bounds that the last sample breaks, and the growth since the one before."""
+def _channel_faults(plan: Plan, found: list[dict[str, Any]], baseline_errors: list[float]) -> Iterator[str]:
+    """Yield in words the bounds that the last sample breaks, and the growth since the sample before."""
     cell, (before, last), early = plan.cell, found[-2:], plan.t_star < 1
-    # longer steps have larger errors, whatever the particles do
+    # the error of longer steps is larger even without disorder
     floor = (BOUNDS.floor[cell.scheme] if cell.precision == "f64" else BOUNDS.single_floor) * cell.step**3
     floor = max(floor, BOUNDS.early_floor if early else 0.0)
     error = last["error"]
@@ -205,22 +211,20 @@ def _channel_faults(plan, found, baseline_errors) -> Iterator[str]:
             yield f"error over that of the baseline {GROWS} {growth:.3g} times"
 
 
-def _two_dimensional_faults(plan, found) -> Iterator[str]:
-    """Yield in words the bounds that samples, in the order of time, break; of voids and distances at any of them."""
-    before, last = found[-2:]
-    if last["error"] is not None and last["error"] > _largest_error(plan.cell, plan.t_star):
+def _two_dimensional_faults(plan: Plan, found: list[dict[str, Any]]) -> Iterator[str]:
+    """Yield in words the bounds that the last sample breaks, and the bounds of voids and distances at all samples."""
+    cell, (before, last) = plan.cell, found[-2:]
+    if cell.kind == "curved_walls":
+        largest = stability.flow_of(cell.flow).largest * (12 / cell.across) ** BOUNDS.order
+    else:
+        rate, order = BOUNDS.periodic[cell.scheme]
+        largest = rate * max(plan.t_star, 1.0) * (25 / cell.across) ** order
+    if last["error"] is not None and last["error"] > largest:
         yield f"error {last['error']:.1e} U"
     radius, distance = max(each["max_void_radius"] for each in found), min(each["min_distance"] for each in found)
     if radius > BOUNDS.void:
         yield f"a void has a radius of {radius:.3g} spacings"
     if distance < BOUNDS.distance:
         yield f"two particles are {distance:.3g} spacings apart"
-    if plan.cell.kind != "curved_walls" and last["energy"] > before["energy"] * (1.0 + BOUNDS.gain):
+    if cell.kind != "curved_walls" and last["energy"] > before["energy"] * (1.0 + BOUNDS.gain):
         yield f"energy {GROWS} by {last['energy'] / before['energy'] - 1.0:.1e}"
-
-
-def _largest_error(cell: Cell, t_star: float) -> float:
-    if cell.kind == "curved_walls":
-        return stability.flow_of(cell.flow).largest * (12 / cell.across) ** BOUNDS.order
-    rate, order = BOUNDS.periodic[cell.scheme]
-    return rate * max(t_star, 1.0) * (25 / cell.across) ** order

@@ -1,34 +1,31 @@
-"""Runs of the stability matrix and their report: a line as each cell ends, then maps, limits, picture and all numbers.
+"""``tisph stability``: runs of the matrix, a line as each cell ends, then maps, limits, picture and all numbers.
 
-Every cell is a process of its own on one thread, so that nothing that happens in one touches another. Runs are kept in
-the folder of the results, so that an interrupted matrix goes on where it was.
+Every cell is a separate process on one thread, so that no cell can affect another. Runs are kept in the folder of the
+results: an interrupted matrix continues where it stopped.
 """
 
 import json
-import math
 import os
 import platform
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from datetime import datetime
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Rectangle
 from rich.console import Console
 
 from tisph.equation_of_state import SCALE_RATIO
 from tisph.folder import replaced
-from tisph.report.style import plot_style
-from tisph.studies.engine import START_SECONDS, Engine
-from tisph.studies.stability import AXES, DATA, Cell, SubMatrix, cells, plan
+from tisph.report.style import constrained_figure, plot_style
+from tisph.studies.stability import AXES, DATA, Cell, Plan, SubMatrix, cells, plan
 from tisph.studies.stability_judge import SILENT_FAILURE, VERDICTS, Judgement, judge, refused
-from tisph.studies.store import Store, claimed
+from tisph.studies.store import START_SECONDS, Engine, Store, claimed
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__
 
@@ -42,7 +39,7 @@ NUMBERS_JUDGED = {
     "max_void_radius": ("void", "{:.2f}", 4),
     "min_distance": ("dist", "{:.2f}", 4),
 }
-"""Title, format and width of the numbers of a ``Judgement``; empty where there is none."""
+"""Number of a ``Judgement`` -> title, format and width of its column."""
 
 TITLES, FORMATS, NUMBER_WIDTHS = zip(*NUMBERS_JUDGED.values(), strict=True)
 HEADER = ("cell", "required", "verdict", "t*", *TITLES, "steps", "s", "why")
@@ -56,7 +53,7 @@ OLD_KEYS = {
     "hole": "max_void_radius",
     "nearest_two": "min_distance",
 }
-"""Earlier keys of the numbers of a cell, which stress.json has as well."""
+"""Former key of a number of a cell, which stress.json still has -> its key."""
 
 LABELS = {
     "reynolds": "Re {:g}",
@@ -69,7 +66,7 @@ LABELS = {
     "elasticity": "E = {:g}",
     "t_star": "t* = {:g}",
 }
-"""How the value of an axis reads; the others speak for themselves."""
+"""Axis -> format of its values in labels; values of other axes are shown alone."""
 
 FLUIDS: dict[str, Callable[[Cell], bool]] = {
     "": lambda cell: not (cell.has_polymer or cell.two_dimensional),
@@ -80,10 +77,14 @@ FLUIDS: dict[str, Callable[[Cell], bool]] = {
 ARRANGEMENTS = {"lattice": False, "disordered": True}
 
 COLOURS = dict(zip(VERDICTS, ("#56b4e9", "#f0e442", "#999999", "#dddddd", "#d55e00"), strict=True))
-"""Okabe and Ito's, which colour-blind eyes tell apart too; every field says in words what it is."""
+"""Okabe and Ito's colours, which colour-blind people can distinguish; every field also has its verdict in words."""
 
 FIELD, PANEL_HEADER = 0.32, 0.75
 """Height of a field, and of the title and the labels of a panel [inches]."""
+
+Rows = dict[Cell, Judgement]
+Fields = dict[tuple[str, str], tuple[str, str, bool]]
+"""(Row, column) of a map -> text, verdict, and whether the run must be stable or finish."""
 
 
 def run(folder: Path, forecast: Callable, processes: int, parts: list[SubMatrix]) -> bool:
@@ -93,7 +94,7 @@ def run(folder: Path, forecast: Callable, processes: int, parts: list[SubMatrix]
     met. Raises ConfigError where ``folder`` cannot be used.
     """
     folder = Path(folder)
-    rows: dict[Cell, Judgement] = {}
+    rows: Rows = {}
     with claimed(folder, "another matrix is running there"):
         with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
             plans = {cell: plan(cell, forecast, Path(scratch)) for cell in cells(parts)}
@@ -125,7 +126,7 @@ def run(folder: Path, forecast: Callable, processes: int, parts: list[SubMatrix]
     return not missed
 
 
-def _judgements(plans, engine) -> Iterator[Judgement]:
+def _judgements(plans: dict[Cell, Plan], engine: Engine) -> Iterator[Judgement]:
     """Yield the judgement of every plan as soon as its run and its baseline are known."""
     for each in plans.values():
         if each.refusal:
@@ -141,15 +142,29 @@ def _judgements(plans, engine) -> Iterator[Judgement]:
                     yield judge(plans[cell], *ended[cell], ended[cell.baseline][0])
 
 
-def _line(row):
-    """Texts of a line of the table that is printed as cells end."""
+def _line(row: Judgement) -> tuple[str, ...]:
+    """Return the cells of a line of the table that is printed as runs end."""
     numbers = [getattr(row, name) for name in NUMBERS_JUDGED]
     texts = ["" if number is None else form.format(number) for number, form in zip(numbers, FORMATS, strict=True)]
     start = (row.cell.name, row.cell.requirement, row.verdict, f"{row.plan.t_star:.2g}")
     return (*start, *texts, str(row.steps), f"{row.seconds:.1f}", row.reason.partition("\n")[0])
 
 
-def _write(folder, rows, processes, complete, **more):
+def _write(folder: Path, rows: Rows, processes: int, complete: bool, **more: Any) -> None:
+    """Write the numbers of all ``rows`` into ``stress.json``, with ``more`` keys."""
+    cells = []
+    for row in rows.values():
+        data = {
+            "name": row.cell.name,
+            **vars(row.cell),
+            "cell_reynolds": row.cell.cell_reynolds,
+            "requirement": row.cell.requirement,
+            "end_t_star": row.plan.t_star,
+            "predicted_error": row.plan.predicted,
+            "warnings": row.plan.warnings,
+            **{key: value for key, value in vars(row).items() if key != "plan"},
+        }
+        cells.append({**data, **{old: data[new] for old, new in OLD_KEYS.items()}})
     numbers = {
         "complete": complete,
         "written": datetime.now().astimezone().isoformat(timespec="seconds"),
@@ -158,33 +173,19 @@ def _write(folder, rows, processes, complete, **more):
         "cores": os.cpu_count(),
         "processes": processes,
         **more,
-        "cells": [_data(row) for row in rows.values()],
+        "cells": cells,
     }
     with replaced(folder / NUMBERS) as new:
         new.write_text(json.dumps(numbers, indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def _data(row):
-    data = {
-        "name": row.cell.name,
-        **vars(row.cell),
-        "cell_reynolds": row.cell.cell_reynolds,
-        "requirement": row.cell.requirement,
-        "end_t_star": row.plan.t_star,
-        "predicted_error": row.plan.predicted,
-        "warnings": row.plan.warnings,
-        **{key: value for key, value in vars(row).items() if key != "plan"},
-    }
-    return {**data, **{old: data[new] for old, new in OLD_KEYS.items()}}
-
-
 def layout(part: SubMatrix) -> tuple[list[str], list[str], dict[tuple[str, str], Cell]]:
-    """Labels of the columns and of the rows of a sub-matrix' map, and its cells by (row, column).
+    """Return the labels of the columns and of the rows of the map of a sub-matrix, and its cells by (row, column).
 
     Columns and rows are in the order in which the values of each axis first appear.
     """
 
-    def labels(axes):
+    def labels(axes: tuple[str, ...]) -> list[str]:
         order = {axis: list(dict.fromkeys(getattr(cell, axis) for cell in part.cells)) for axis in axes}
         found = sorted(part.cells, key=lambda cell: [order[axis].index(getattr(cell, axis)) for axis in axes])
         return list(dict.fromkeys(_label(cell, axes) for cell in found))
@@ -193,21 +194,21 @@ def layout(part: SubMatrix) -> tuple[list[str], list[str], dict[tuple[str, str],
     return labels(part.columns), labels(part.rows), positions
 
 
-def _label(cell, axes):
-    """Text for the values of ``axes``, names, of a cell."""
+def _label(cell: Cell, axes: Sequence[str]) -> str:
+    """Return the text for the values of ``axes`` of a cell."""
     return ", ".join(LABELS.get(axis, "{}").format(getattr(cell, axis)) for axis in axes)
 
 
-def _map(part, rows):
-    """Columns, rows and fields of a sub-matrix: texts, verdicts and whether something is required, by (row, column).
+def _map(part: SubMatrix, rows: Rows) -> tuple[list[str], list[str], Fields]:
+    """Return columns, rows and fields of the map of a sub-matrix.
 
-    Of one without a map, such as the covering set, the numbers of cells with each value of an axis and each verdict.
+    Without axes, as for the covering set, the map has a row for each value of an axis, and counts cells by verdict.
     """
     if part.columns:
         columns, names, positions = layout(part)
         judged = {place: rows[cell] for place, cell in positions.items()}
         return columns, names, {place: (row.short, row.verdict, row.cell.required) for place, row in judged.items()}
-    fields = {}
+    fields: Fields = {}
     for axis, values in AXES.items():
         for value in values if isinstance(values[0], str) else sorted(values):
             own = [cell for cell in part.cells if getattr(cell, axis) == value]
@@ -218,9 +219,9 @@ def _map(part, rows):
     return list(VERDICTS), list(dict.fromkeys(name for name, _ in fields)), fields
 
 
-def _tables(parts, rows):
-    """All maps as Markdown, from ``rows`` by cell; a stable cell shows its error alone, a required one a star."""
-    lines = []
+def _tables(parts: list[SubMatrix], rows: Rows) -> str:
+    """Return all maps as Markdown; a stable cell shows its error alone, a cell with a requirement a star."""
+    lines: list[tuple[str, ...]] = []
     for part in parts:
         verdicts = [rows[cell].verdict for cell in part.cells]
         met = [rows[cell].met for cell in part.cells if cell.required]
@@ -234,21 +235,22 @@ def _tables(parts, rows):
     return "\n\n".join(texts)
 
 
-def limits(rows: dict[Cell, Judgement]) -> dict[str, list[dict[str, Any]]]:
-    """Return the limits that ``rows``, by cell, show, from which defaults, warnings and guards can be derived.
+def limits(rows: Rows) -> dict[str, list[dict[str, Any]]]:
+    """Return the limits of stability in ``rows``, from which defaults, warnings and guards can be derived.
 
-    ``ranges``: of a quantity, the largest value ``fine`` below which no run failed, and the smallest that did, ``not``
-    (None for none). Of the time steps, over the default, every run that is not stable failed; of the cell Reynolds
-    number U dx / nu, nu of the solvent, in runs with the default walls, steps and sound speed, those that stopped or
-    failed silently. ``largest``: by scheme and verdict, the largest density variation and transverse velocity at the
-    end of runs in channels that finished. Density variations are converted to the default sound speed: they are
-    proportional to the square of the Mach number.
+    ``ranges``: for a quantity, ``not``: the smallest value at which a run failed, and ``fine``: the largest value below
+    it; None where there is no such value. Two quantities have ranges. Time steps over the default: every run that is
+    not stable failed. Cell Reynolds number U dx / nu, nu of the solvent, in runs with the default walls, steps and
+    sound speed: runs failed that stopped, and silent failures. ``largest``: by scheme and verdict, the largest density
+    variation and transverse velocity at the end of runs in channels that finished. Density variations are converted to
+    the default sound speed: they are proportional to the square of the Mach number.
     """
-    ranges, largest = [], []
+    tried: list[tuple[str, list[tuple[float, bool]]]] = []
+    largest: list[dict[str, Any]] = []
     for sound, jitter in product(DATA["values"]["sound"], DATA["values"]["jitter"]):
         own = [Cell(jitter=jitter, sound=sound, step=step) for step in DATA["values"]["step"]]
         known = [(cell.step, rows[cell].verdict != "stable") for cell in own if cell in rows]
-        ranges.append((f"steps over the default, explicit, c = {sound:g}, jitter {jitter:g}", known))
+        tried.append((f"steps over the default, explicit, c = {sound:g}, jitter {jitter:g}", known))
     usual = [row for row in rows.values() if row.cell.usual and row.verdict != "refused"]
     for scheme in dict.fromkeys(row.cell.scheme for row in usual):
         for (fluid, of), (name, disordered) in product(FLUIDS.items(), ARRANGEMENTS.items()):
@@ -257,27 +259,26 @@ def limits(rows: dict[Cell, Judgement]) -> dict[str, list[dict[str, Any]]]:
                 for row in usual
                 if row.cell.scheme == scheme and of(row.cell) and (row.cell.jitter > 0) == disordered
             ]
-            ranges.append((f"cell Reynolds number{fluid}, {scheme}, {name}", known))
+            tried.append((f"cell Reynolds number{fluid}, {scheme}, {name}", known))
     for scheme, verdict in product(dict.fromkeys(cell.scheme for cell in rows), VERDICTS):
         ended = [row for row in rows.values() if (row.cell.scheme, row.verdict) == (scheme, verdict)]
-        ended = [row for row in ended if row.transverse_velocity is not None and verdict != "stopped"]
-        if ended:
-            densities = [row.density_variation * (row.cell.sound / SCALE_RATIO) ** 2 for row in ended]
-            across = max(row.transverse_velocity for row in ended)
-            what = f"{scheme}, {verdict}"
-            largest.append({"what": what, "density_variation": max(densities), "transverse_velocity": across})
-    return {"ranges": [{"what": what, **_range(known)} for what, known in ranges if known], "largest": largest}
+        finished = [row for row in ended if row.transverse_velocity is not None and verdict != "stopped"]
+        if finished:
+            densities = [(row.density_variation or 0.0) * (row.cell.sound / SCALE_RATIO) ** 2 for row in finished]
+            speeds = [row.transverse_velocity or 0.0 for row in finished]
+            numbers = {"density_variation": max(densities), "transverse_velocity": max(speeds)}
+            largest.append({"what": f"{scheme}, {verdict}", **numbers})
+    ranges = []
+    for what, known in tried:
+        first = min((value for value, failed in known if failed), default=None)
+        fine = [value for value, _ in known if first is None or value < first]
+        if known:
+            ranges.append({"what": what, "fine": max(fine, default=None), "not": first})
+    return {"ranges": ranges, "largest": largest}
 
 
-def _range(known):
-    """Range from pairs of a value and whether a run failed there."""
-    first = min((value for value, failed in known if failed), default=None)
-    below = math.inf if first is None else first
-    return {"fine": max((value for value, _ in known if value < below), default=None), "not": first}
-
-
-def _limits_tables(found):
-    def text(number):
+def _limits_tables(found: dict[str, list[dict[str, Any]]]) -> str:
+    def text(number: float | None) -> str:
         return "-" if number is None else f"{number:.3g}"
 
     ranges = [(each["what"], text(each["fine"]), text(each["not"])) for each in found["ranges"]]
@@ -291,9 +292,9 @@ def _limits_tables(found):
     )
 
 
-def _plot(path, parts, rows):
-    """Draw a panel for each sub-matrix of ``parts``, in two columns, a field for each cell, its colour the verdict."""
-    stacks: tuple[list, list] = ([], [])  # of titles, heights and maps, each put where there is more room
+def _plot(path: Path, parts: list[SubMatrix], rows: Rows) -> None:
+    """Draw a panel for each sub-matrix, in two columns; a field for each cell is coloured by its verdict."""
+    stacks: tuple[list, list] = ([], [])  # titles, heights and maps of the panels, each in the shorter column
     for part in parts:
         found = _map(part, rows)
         shorter = min(stacks, key=lambda stack: sum(height for _, height, _ in stack))
@@ -301,8 +302,7 @@ def _plot(path, parts, rows):
     filled = [stack for stack in stacks if stack]
     tallest = max(sum(height for _, height, _ in stack) for stack in filled)
     with plot_style():
-        figure = Figure((14.0, tallest + 0.4), dpi=110, layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = constrained_figure((14.0, tallest + 0.4), dpi=110)
         for stack, half in zip(filled, figure.subfigures(1, len(filled), squeeze=False)[0], strict=True):
             heights = [height for _, height, _ in stack]
             empty = [tallest - sum(heights)] if sum(heights) < tallest else []
@@ -319,7 +319,7 @@ def _plot(path, parts, rows):
         figure.savefig(path)
 
 
-def _draw(panel, columns, names, fields):
+def _draw(panel: Axes, columns: list[str], names: list[str], fields: Fields) -> None:
     for (name, column), (text, verdict, required) in fields.items():
         x, y = columns.index(column), names.index(name)
         colour = COLOURS.get(verdict, "none")

@@ -1,7 +1,12 @@
-"""Runs that outlive the command that asked for them: a run that has ended once is not run again."""
+"""Runs of many configs: kept in a folder, started side by side, with a progress bar on a terminal.
+
+Suites, sweeps, the stability matrix and the benchmarks all run their configs here. A run that has ended once, with the
+same config and the same code, is read from its folder: an interrupted command continues where it stopped.
+"""
 
 import hashlib
 import math
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
@@ -9,28 +14,42 @@ from pathlib import Path
 from typing import Any
 
 from filelock import Timeout
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.studies.processes import POLL_SECONDS, Process, Result, read_result, run_side_by_side
+from tisph.studies.processes import POLL_SECONDS, Outcomes, Process, Result, read_result, run_side_by_side
 
 WITHOUT_EFFECT = ("cli/", "interface", "assessment/", "report/", "results/", "studies/", "schemes/_estimate")
 """Parts of the package on which no number of a run depends."""
 
+START_SECONDS = 2.0
+"""Approximate time [s] of a run apart from its steps, for the remaining time on the bar."""
+
+PATIENCE, ALLOWANCE = 10.0, 600.0
+"""A limited run is stopped after PATIENCE times its estimated time plus ALLOWANCE [s], since machines pause."""
+
 
 def config_text(name: str, config: dict[str, Any]) -> str:
-    """A config, a plain dict, as YAML under the name ``name``."""
+    """Return a config, a plain dict, as YAML under the name ``name``."""
     return dump({"name": name, **config})
 
 
-Outcome = tuple[str, Result, str]
-"""Name of a run, its ``Result``, and its error message, empty if it is done."""
+def fingerprint() -> str:
+    """Return a hash of the source files on which the numbers of a run depend."""
+    root = Path(__file__).parents[1]
+    paths = [path for path in root.rglob("*.py") if not path.relative_to(root).as_posix().startswith(WITHOUT_EFFECT)]
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 @contextmanager
 def claimed(folder: Path, taken: str) -> Iterator[None]:
-    """Hold ``folder``, made if there is none, against other commands; on Ctrl-C say that runs are kept there.
+    """Lock ``folder``, created if missing, against other commands; on Ctrl-C print that its runs are kept.
 
     Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written.
     """
@@ -47,7 +66,7 @@ def claimed(folder: Path, taken: str) -> Iterator[None]:
 
 
 class Store:
-    """Runs kept in ``folder``: NAME.yaml is the config of the run in NAME, with a mark of the code that it ran."""
+    """Runs kept in ``folder``: the config of the run in NAME is NAME.yaml, which begins with the hash of the code."""
 
     def __init__(self, folder: Path):
         self.folder = folder
@@ -55,7 +74,7 @@ class Store:
         folder.mkdir(exist_ok=True)
 
     def kept(self, name: str, config: dict[str, Any]) -> tuple[Result, str] | None:
-        """``Result`` and message of a run that ended, with this config and this code; None without one."""
+        """Return ``Result`` and message of a run that ended, with this config and this code; None without one."""
         path = self.folder / f"{name}.yaml"
         if not path.is_file() or path.read_text(encoding="utf-8") != self._text(name, config):
             return None
@@ -65,16 +84,16 @@ class Store:
         return result, result.summary.get("message", "")
 
     def outcome(self, name: str, config: dict[str, Any]) -> tuple[Result, str]:
-        """``Result`` and message of one run, kept or new."""
+        """Return ``Result`` and message of one run, kept or new."""
         [(_, result, message)] = self.outcomes({name: config}, 1)
         return result, message
 
     def outcomes(
         self, configs: dict[str, dict[str, Any]], most: int, launch: Callable[[str], Process] | None = None
-    ) -> Iterator[Outcome]:
-        """Yield (name, ``Result``, message) of runs, their ``configs`` by name: first of those that are kept.
+    ) -> Outcomes:
+        """Yield (name, ``Result``, message) of every run of ``configs`` (name -> config), the kept runs first.
 
-        The others run ``most`` at once, started by ``launch(name)``, which is ``launch`` of this store if not given.
+        ``launch(name)`` starts a missing run, ``most`` of them at a time; by default it is ``self.launch``.
         """
         missing = []
         for name, config in configs.items():
@@ -88,9 +107,9 @@ class Store:
             yield from ended
 
     def launch(self, name: str, config: dict[str, Any], seconds: float = math.inf) -> Process:
-        """Start the run as a ``Process`` of at most ``seconds``, in place of one that may be there.
+        """Start the run as a ``Process`` of at most ``seconds``; it replaces an earlier run of this name.
 
-        Wait until no run of an earlier command that was killed goes on in its folder.
+        Waits while a run of an earlier command, which was killed, still uses the folder.
         """
         folder = self.folder / name
         while folder.is_dir():
@@ -109,7 +128,7 @@ class Store:
         return path
 
     def keep(self, name: str, config: dict[str, Any], files: dict[str, bytes]) -> Result:
-        """``Result`` of a run that was made elsewhere: its ``files``, contents by name, kept as if it had run here."""
+        """Store the ``files`` (name -> content) of a run that was made elsewhere; return its ``Result``."""
         folder = self.folder / name
         folder.mkdir(exist_ok=True)
         for file, content in files.items():
@@ -117,15 +136,76 @@ class Store:
         self.write(name, config)
         return read_result(folder)
 
-    def _text(self, name, config):
+    def _text(self, name: str, config: dict[str, Any]) -> str:
         return f"# code {self._code}\n{config_text(name, config)}"
 
 
-def fingerprint() -> str:
-    """Hash of the source files on which the numbers of a run depend."""
-    root = Path(__file__).parents[1]
-    paths = [path for path in root.rglob("*.py") if not path.relative_to(root).as_posix().startswith(WITHOUT_EFFECT)]
-    digest = hashlib.sha256()
-    for path in sorted(paths):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+class Engine:
+    """Runs configs of a ``store``, ``processes`` at a time, with a progress bar on standard error if it is a terminal.
+
+    ``seconds``: estimated time of each run, by name, for the bar. Use it as a context: the bar shows inside.
+    """
+
+    def __init__(self, store: Store, processes: int, seconds: dict[str, float]):
+        self._store, self._processes = store, processes
+        self._began = time.perf_counter()
+        self._seconds = {name: estimate + START_SECONDS for name, estimate in seconds.items()}
+        self._running: list[str] = []
+        self._ended, self._done = 0, 0.0
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TimeRemainingColumn(),
+            console=Console(stderr=True),
+            transient=True,
+            redirect_stdout=False,
+            speed_estimate_period=3600.0,
+            disable=not sys.stderr.isatty(),
+        )
+        self._task = self._bar.add_task("", total=sum(self._seconds.values()))
+
+    def __enter__(self) -> "Engine":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def outcomes(
+        self, configs: dict[str, dict[str, Any]], limited: bool = False, source: Outcomes | None = None
+    ) -> Outcomes:
+        """Yield (name, ``Result``, message) of every run of ``configs`` (name -> config), the kept runs first.
+
+        ``limited``: stop runs that take much longer than estimated. ``source``: outcomes from other machines, in place
+        of processes on this one.
+        """
+
+        def launch(name: str) -> Process:
+            self._running.append(name)
+            self._show()
+            limit = PATIENCE * self._seconds[name] + ALLOWANCE if limited else math.inf
+            return self._store.launch(name, configs[name], limit)
+
+        with closing(source or self._store.outcomes(configs, self._processes, launch)) as ended:
+            for name, result, message in ended:
+                self._running = [each for each in self._running if each != name]
+                self._ended += 1
+                self._done += self._seconds[name]
+                self._bar.update(self._task, completed=self._done)
+                self._show()
+                yield name, result, message
+
+    def say(self, text: str) -> None:
+        """Print a line of the result; the bar is hidden meanwhile, since the two would mix."""
+        self._bar.stop()
+        print(text, flush=True)
+        self._bar.start()
+
+    @property
+    def seconds_left(self) -> float:
+        """Time for the runs that have not ended, if they take as much over their estimates as the earlier ones."""
+        return (time.perf_counter() - self._began) * (sum(self._seconds.values()) / max(self._done, 1e-9) - 1.0)
+
+    def _show(self) -> None:
+        text = "; ".join([f"{self._ended} of {len(self._seconds)} runs", *self._running])
+        self._bar.update(self._task, description=text)

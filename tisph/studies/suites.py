@@ -1,4 +1,4 @@
-"""Suites: runs and checks of them as YAML files, our own in ``tisph/suites`` and any file of a user.
+"""Suites: runs and their checks as YAML files, our own in ``tisph/suites`` and any file of a user.
 
     title: Start-up Couette flow
     base: couette.yaml                  # a config beside this file, or its keys as a map; bases: several by name
@@ -7,11 +7,11 @@
       fine: {like: coarse, discretisation.particles_across: 100}       # base: NAME takes one of bases
     checks:                             # see studies/checks.py
       - {run: fine, t: [1.8, 2.7], at_most: {l2: 1.0e-3}}
-    quick: {runs: ..., checks: ...}     # with --quick in place of the above; its runs are like those above, or others
+    quick: {runs: ..., checks: ...}     # with --quick, in place of the above; its runs may be like the runs above
     long: {runs: ..., checks: ...}      # with --long
 
-A run with ``resumed: true`` is stopped after its first checkpoint and resumed; one with ``estimated: true`` states its
-error (tisph run --estimate-error).
+A run with ``resumed: true`` is stopped after its first checkpoint and resumed; a run with ``estimated: true`` estimates
+its error (tisph run --estimate-error).
 """
 
 import copy
@@ -19,47 +19,58 @@ import re
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ruamel.yaml import YAML
 
 from tisph.config.fields import nearest
 from tisph.config.loader import loaded
-from tisph.config.yaml_text import YamlTextError, parse
+from tisph.config.yaml_text import Document, YamlTextError, parse
 from tisph.errors import ConfigError
 from tisph.studies import checks
 from tisph.studies.checks import Criterion, SuiteError
 
 FOLDER = Path(__file__).parents[1] / "suites"
 
-PARTS = ("couette", "channel", "viscoelastic", "rheologies", "rheometry", "implicit", "two_dimensional")
-PARTS += ("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric", "two_dimensional_inelastic")
-PARTS += ("two_dimensional_polymers", "estimates")
+PARTS = (
+    *("couette", "channel", "viscoelastic", "rheologies", "rheometry", "implicit", "two_dimensional"),
+    *("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric", "two_dimensional_inelastic"),
+    *("two_dimensional_polymers", "estimates"),
+)
 """Suites of ``tisph verify``, in the order of its table."""
 
 NOT_QUICK = ("estimates",)
 """Suites that ``tisph verify --quick`` leaves out."""
 
 NAME = re.compile(r"\w[\w.-]*")
-"""Of a run, which is a folder, too."""
+"""Pattern of the name of a run, which is also the name of its folder."""
 
 SECTION = ("base", "bases", "runs", "checks")
 FLAGS = ("resumed", "estimated")
 OF_RUNS = ("base", "like", "samples", *FLAGS)
 
+Config = dict[str, Any]
+"""A config as plain data, without its name."""
+
+Place = tuple[str | int, ...]
+"""Keys that lead to an entry of the file."""
+
 
 @dataclass
 class Suite:
-    """Configs of runs by name, as plain dicts, the criteria that judge them, and names of runs with a flag."""
+    """The runs by name, the criteria that judge them, and the names of runs with a flag.
+
+    A run is a config, or a function that runs it in this process and returns ``Result`` and message.
+    """
 
     title: str = ""
-    runs: dict[str, dict[str, Any]] = field(default_factory=dict)
+    runs: dict[str, Any] = field(default_factory=dict)
     criteria: list[Criterion] = field(default_factory=list)
     resumed: set[str] = field(default_factory=set)
     estimated: set[str] = field(default_factory=set)
 
     def add(self, other: "Suite") -> None:
-        """Take in the runs and criteria of another suite, whose runs have other names."""
+        """Add the runs and criteria of another suite, whose runs have other names."""
         self.runs |= other.runs
         self.criteria += other.criteria
         self.resumed |= other.resumed
@@ -77,30 +88,38 @@ def whole(quick: bool = False) -> Suite:
 
 def ours(name: str, quick: bool = False, long: bool = False) -> Suite:
     """Return one of ``PARTS``."""
-    return copy.deepcopy(_ours(name, quick, long))
+    return copy.deepcopy(_read_once(FOLDER / f"{name}.yaml", quick, long))
 
 
-@cache
-def _ours(name, quick, long):
-    return read(FOLDER / f"{name}.yaml", quick, long)
-
-
-def config_of(name: str, run: str) -> dict[str, Any]:
+def config_of(name: str, run: str) -> Config:
     """Return the config of a run of one of ``PARTS``."""
     return ours(name).runs[run]
 
 
 def study(name: str) -> dict[str, Any]:
-    """Return the data of a study that is no suite of checks, in a file beside the suites, which may have anchors."""
+    """Return the data of a study without checks, a file beside the suites, which may have YAML anchors."""
     return YAML(typ="safe", pure=True).load(FOLDER / f"{name}.yaml")
 
 
 def read(path: Path, quick: bool = False, long: bool = False) -> Suite:
     """Return the suite of a file, its ``quick`` or its ``long`` section.
 
-    ConfigError names file, line, key and the fix of a mistake; it is raised, too, where there is no long section.
+    Raises ConfigError, with file, line, key and the fix of a mistake, and where there is no long section.
     """
     return _File(Path(path)).suite("quick" if quick else "long" if long else None)
+
+
+_read_once = cache(read)
+
+
+def document(path: Path) -> Document:
+    """Return data and lines of a user's YAML file; ConfigError where it cannot be read."""
+    try:
+        return parse(path.read_text(encoding="utf-8"))
+    except YamlTextError as error:
+        raise ConfigError(f"{path}:{error.line or 1}: {error.text}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
 class _File:
@@ -108,13 +127,8 @@ class _File:
 
     def __init__(self, path: Path):
         self.path = path
-        try:
-            document = parse(path.read_text(encoding="utf-8"))
-        except YamlTextError as error:
-            raise ConfigError(f"{path}:{error.line or 1}: {error.text}") from None
-        except (OSError, UnicodeDecodeError) as error:
-            raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-        self.data, self._lines = document.data, document.lines
+        found = document(path)
+        self.data, self._lines = found.data, found.lines
         if not isinstance(self.data, dict) or not {"title", "runs", "checks"} <= set(self.data):
             raise ConfigError(f"{path}: a suite is a map with the keys title, base, runs and checks")
         self._require_keys(self.data, (), ("title", *SECTION, "quick", "long"))
@@ -122,7 +136,7 @@ class _File:
             self._fail(("title",), "must be text")
 
     def suite(self, section: str | None) -> Suite:
-        """Return the suite: the main one, or of a ``section``, ``quick`` or ``long``."""
+        """Return the suite of the file, or of its ``section``, ``quick`` or ``long``."""
         configs, flags = self._runs(self.data, (), {})
         if section is None:
             return Suite(self.data["title"], configs, self._criteria(self.data, (), configs), **flags)
@@ -140,11 +154,12 @@ class _File:
         flags = {flag: (names | own_flags.get(flag, set())) & used for flag, names in flags.items()}
         return Suite(self.data["title"], needed, criteria, **flags)
 
-    def _runs(self, data, place, known):
+    def _runs(self, data: dict, place: Place, known: dict[str, Config]) -> tuple[dict[str, Config], dict[str, set]]:
         """Return the configs of the runs of a section by name, and the names of the runs with each of ``FLAGS``."""
         bases = {name: self._base(base, place, "bases") for name, base in self._map(data, place, "bases").items()}
         base = self._base(data["base"], place, "base") if "base" in data else None
-        configs, flags = {}, {flag: set() for flag in FLAGS}
+        configs: dict[str, Config] = {}
+        flags: dict[str, set] = {flag: set() for flag in FLAGS}
         for name, changes in self._map(data, place, "runs").items():
             where = (*place, "runs", name)
             if not NAME.fullmatch(name):
@@ -167,19 +182,22 @@ class _File:
                     names.add(name)
             if name in flags["resumed"] & flags["estimated"]:
                 self._fail((*where, "estimated"), "not with resumed: a run is one or the other")
-            configs[name] = self._valid(config, where)
+            if self.path.parent != FOLDER:  # tests check our own suites
+                try:
+                    loaded(config, {})
+                except ConfigError as error:
+                    self._fail(where, str(error).removeprefix("config: "))
+            configs[name] = config
         return configs, flags
 
-    def _valid(self, config, where):
-        """Return the config of a run; ConfigError where ``tisph run`` would refuse it. Tests check our own suites."""
-        if self.path.parent != FOLDER:
-            try:
-                loaded(config, {})
-            except ConfigError as error:
-                self._fail(where, str(error).removeprefix("config: "))
-        return config
-
-    def _start(self, changes, where, base, bases, known):
+    def _start(
+        self,
+        changes: dict,
+        where: Place,
+        base: Config | None,
+        bases: dict[str, Config],
+        known: dict[str, Config],
+    ) -> Config:
         """Return a copy of the config that a run changes."""
         for key, found in (("like", known), ("base", bases)):
             if key in changes:
@@ -191,8 +209,8 @@ class _File:
             self._fail(where, "needs base: NAME, one of bases, since the suite has no base")
         return copy.deepcopy(base)
 
-    def _base(self, base, place, key):
-        """Return a base: a map, or the config in a file beside this one."""
+    def _base(self, base: Any, place: Place, key: str) -> Config:
+        """Return a base, which is a map or the name of a file beside this one."""
         if isinstance(base, dict):
             return base
         if not isinstance(base, str):
@@ -205,8 +223,8 @@ class _File:
         except (YamlTextError, AttributeError) as error:
             self._fail((*place, key), f"{base}: is no config: {error}")
 
-    def _change(self, config, key, value, where):
-        """Set the value of a dotted ``key``, in which a number is a place in a list."""
+    def _change(self, config: Any, key: str, value: Any, where: Place) -> None:
+        """Set the value of a dotted ``key``, in which a number is an index in a list."""
         *parents, last = (int(part) if part.isdigit() else part for part in key.split("."))
         for parent in parents:
             config = config.setdefault(parent, {}) if isinstance(config, dict) else self._item(config, parent, where)
@@ -216,13 +234,13 @@ class _File:
             self._fail(where, "the key goes on below a single value")
         config[last] = copy.deepcopy(value)
 
-    def _item(self, items, place, where):
+    def _item(self, items: Any, place: str | int, where: Place) -> Any:
         if not isinstance(items, list) or not isinstance(place, int) or place >= len(items):
             self._fail(where, f"{place} is no place in a list, counted from 0")
         return items[place]
 
-    def _criteria(self, data, place, configs):
-        found = []
+    def _criteria(self, data: dict, place: Place, configs: dict[str, Config]) -> list[Criterion]:
+        found: list[Criterion] = []
         entries = data.get("checks", [])
         if not isinstance(entries, list) or not entries:
             self._fail((*place, "checks"), "must be a list of checks")
@@ -239,19 +257,19 @@ class _File:
                 self._fail(where if mistake.key is None else (*where, mistake.key), mistake.text)
         return found
 
-    def _map(self, data, place, key):
+    def _map(self, data: dict, place: Place, key: str) -> dict[str, Any]:
         found = data.get(key, {})
         if not isinstance(found, dict):
             self._fail((*place, key), "must be a map")
         return found
 
-    def _require_keys(self, data, place, allowed):
+    def _require_keys(self, data: dict, place: Place, allowed: tuple[str, ...]) -> None:
         for key in data:
             if key not in allowed:
                 self._fail((*place, key), f"unknown key{nearest(key, list(allowed))}; allowed: {', '.join(allowed)}")
 
-    def _fail(self, place, text):
-        """Raise the ConfigError of a mistake at the key ``place``, or the nearest one around it."""
+    def _fail(self, place: Place, text: str) -> NoReturn:
+        """Raise the ConfigError of a mistake at the key ``place``, with the line of the nearest key around it."""
         key = ".".join(map(str, place))
         while place and place not in self._lines:
             place = place[:-1]

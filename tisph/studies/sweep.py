@@ -1,73 +1,79 @@
 """Sweeps: one config with some of its keys varied, run on all processors or on many machines, as one table.
 
-STUDY.yaml says which keys take which values, together or each with each:
+STUDY.yaml says which keys take which values, in all combinations or together:
 
 base: couette.yaml                      # a config, beside this file, or its keys as a map
 vary:
   discretisation.particles_across: [10, 20, 40]
   time.tolerance: {from: 1.0e-5, to: 1.0e-3, count: 3, spacing: log}
-  "fluid.density, walls.top.velocity": [[1.0, 0.5], [2.0, 0.25]]    # go together
+  "fluid.density, walls.top.velocity": [[1.0, 0.5], [2.0, 0.25]]    # vary together
 collect: [l2, wall_shear_top]           # numbers of the last sample, of numbers or of cost
-error: l2                               # by which the summary judges
-bound: 1.0e-3                           # the cheapest run below it is named
+error: l2                               # the number that the summary judges
+bound: 1.0e-3                           # the summary names the cheapest run below it
 
-The table has a row a run. ``table.csv`` depends on the configs alone, and is the same to the last byte however, where
-and in how many attempts the runs were made; ``costs.csv`` has the seconds, which are not. ``table.h5`` has the columns
-of both.
+The table has a row for each run. ``table.csv`` depends on the configs alone: it has the same bytes wherever, and in
+however many attempts, the runs were made. ``costs.csv`` has the seconds, which vary. ``table.h5`` has the columns of
+both.
 """
 
 import csv
 import hashlib
 import itertools
 import json
+import multiprocessing
 import statistics
 import tempfile
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+from matplotlib.axes import Axes
 from rich.console import Console
 
 from tisph.config import load
 from tisph.config.fields import nearest
-from tisph.config.yaml_text import YamlTextError, dump, parse
+from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import hdf5_file, replaced
 from tisph.measures.metrics import fitted_order
 from tisph.report import style
-from tisph.studies import sweep_cluster
-from tisph.studies.engine import Engine
-from tisph.studies.processes import prepare
-from tisph.studies.store import Store, claimed
+from tisph.studies.processes import Outcomes, prepare, run_config
+from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
+from tisph.studies.suites import document
 from tisph.text_table import format_table
 
 KEYS = ("name", "base", "vary", "collect", "error", "bound")
 RANGE = {"from", "to", "count", "spacing"}
 
 MOST = 100_000
-"""Runs; more are a slip of the pen."""
+"""Largest number of runs; a larger one is taken for a mistake in the file."""
 
 TABLE, COSTS, ARRAYS, PICTURE = "table.csv", "costs.csv", "table.h5", "sweep.png"
 
 MOST_LINES = 12
-"""Lines of a panel of the picture that has a legend."""
+"""Largest number of lines in a panel of the picture with a legend."""
+
+NOT_SENT = ("frames.h5", "checkpoint.h5", ".lock")
+"""Large files that a worker does not send back, since no table needs them."""
+
+Forecast = Callable[[Any], tuple[dict[str, Any], list[str]]]
+"""Function of a config that returns the numbers and the warnings of ``tisph check``, or raises ConfigError."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One run: the ``values`` of the varied keys, its ``config`` as a plain dict, ``seconds`` that it may take.
+    """One run: the ``values`` of the varied keys, its ``config`` as a plain dict, and its estimated ``seconds``.
 
-    ``name`` is the hash of the config, by which a run is known again. ``refusal`` says why a config is not valid, None
-    where it is.
+    ``name``: hash of the config, which identifies the run. ``refusal``: why the config is not valid, else None.
     """
 
     name: str
-    values: dict
-    config: dict | None
+    values: dict[str, Any]
+    config: dict[str, Any] | None
     seconds: float = 1.0
     refusal: str | None = None
 
@@ -84,18 +90,10 @@ class Study:
     bound: float | None
 
 
-def read(path: str | Path, forecast: Callable) -> Study:
-    """``Study`` that the file ``path`` describes; ConfigError with one message where it cannot be understood.
-
-    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``, or raises ConfigError.
-    """
+def read(path: str | Path, forecast: Forecast) -> Study:
+    """Return the ``Study`` that the file ``path`` describes; ConfigError with one message for a mistake in it."""
     path = Path(path)
-    try:
-        data = parse(path.read_text(encoding="utf-8")).data
-    except YamlTextError as error:
-        raise ConfigError(f"{path}:{error.line or 1}: {error.text}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    data = document(path).data
     if not isinstance(data, dict) or not {"base", "vary"} <= set(data):
         raise ConfigError(f"{path}: must be a map with the keys base and vary")
     for key in set(data) - set(KEYS):
@@ -103,26 +101,21 @@ def read(path: str | Path, forecast: Callable) -> Study:
     keys, rows = _rows(data["vary"], path)
     collect = tuple(data.get("collect", ("l2",)))
     with tempfile.TemporaryDirectory() as scratch:
-        base = _base(data["base"], path, Path(scratch))
+        if isinstance(data["base"], dict):
+            base = Path(scratch) / f"{path.stem}.yaml"
+            base.write_text(dump(data["base"]), encoding="utf-8")
+        else:
+            beside = path.parent / str(data["base"])
+            base = beside if beside.is_file() else Path(str(data["base"]))
         cases = tuple(_case(base, dict(zip(keys, row, strict=True)), forecast) for row in rows)
-    error = data.get("error", collect[0] if collect else "l2")
+    judged = data.get("error", collect[0] if collect else "l2")
     return Study(
-        data.get("name", path.stem), keys, cases, tuple(dict.fromkeys((error, *collect))), error, data.get("bound")
+        data.get("name", path.stem), keys, cases, tuple(dict.fromkeys((judged, *collect))), judged, data.get("bound")
     )
 
 
-def _base(base, path, scratch):
-    """Path of the config; a map is written into ``scratch``."""
-    if isinstance(base, dict):
-        file = scratch / f"{path.stem}.yaml"
-        file.write_text(dump(base), encoding="utf-8")
-        return file
-    found = path.parent / str(base)
-    return found if found.is_file() else Path(str(base))
-
-
-def _rows(vary, path):
-    """Keys and all rows of their values, the last key changing fastest."""
+def _rows(vary: Any, path: Path) -> tuple[tuple[str, ...], list[tuple]]:
+    """Return the keys and all rows of their values, the last key changing fastest."""
     if not isinstance(vary, dict) or not vary:
         raise ConfigError(f"{path}: vary must be a map of keys and their values")
     axes = [_axis(name, values, path) for name, values in vary.items()]
@@ -135,8 +128,8 @@ def _rows(vary, path):
     return keys, [sum(row, ()) for row in itertools.product(*(values for _, values in axes))]
 
 
-def _axis(name, values, path):
-    """Keys that go together, and their values as tuples."""
+def _axis(name: str, values: Any, path: Path) -> tuple[tuple[str, ...], list[tuple]]:
+    """Return keys that vary together, and their values as tuples."""
     names = tuple(part.strip() for part in name.split(","))
     if isinstance(values, dict):
         values = _range(name, values, path)
@@ -149,8 +142,8 @@ def _axis(name, values, path):
     return names, [tuple(value) for value in values]
 
 
-def _range(name, given, path):
-    """Values from one end to the other, of whole numbers whole ones."""
+def _range(name: str, given: dict[str, Any], path: Path) -> list[float]:
+    """Return the values of a range, both ends included; whole numbers where both ends are whole."""
     if not {"from", "to", "count"} <= set(given) <= RANGE or given.get("spacing", "linear") not in ("linear", "log"):
         raise ConfigError(f"{path}: vary.{name}: a range has the keys from, to, count and spacing (linear or log)")
     ends = given["from"], given["to"]
@@ -164,7 +157,7 @@ def _range(name, given, path):
     return [float(f"{value:.12g}") for value in values]
 
 
-def _case(base, values, forecast):
+def _case(base: Path, values: dict[str, Any], forecast: Forecast) -> Case:
     try:
         config = load(base, [f"{key}={json.dumps(value)}" for key, value in values.items()])
         numbers, _ = forecast(config)
@@ -178,18 +171,21 @@ def _case(base, values, forecast):
     return Case(_hash(data), values, data, float(numbers["run_time"] or 1.0))
 
 
-def _hash(data):
+def _hash(data: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
 @dataclass(frozen=True)
 class Row:
-    """A case and the outcome of its run: the collected ``numbers`` by name, None where the run has none."""
+    """A case and the outcome of its run: the collected ``numbers`` by name, None where the run has none.
+
+    ``seconds``: of the time loop; ``total``: of the whole process.
+    """
 
     case: Case
     status: str
     message: str
-    numbers: dict
+    numbers: dict[str, Any]
     steps: int | None = None
     particles: int | None = None
     seconds: float | None = None
@@ -197,35 +193,28 @@ class Row:
 
 
 def row(study: Study, case: Case, summary: dict[str, Any] | None, message: str) -> Row:
-    """``Row`` of a run that left a ``summary``; of a config that is refused ``summary`` is None."""
+    """Return the ``Row`` of a run from its ``summary``, which is None for a refused config.
+
+    A collected number is the one of the last sample, if the run reached it, else the one of ``numbers`` or ``cost``.
+    """
     if summary is None:
         return Row(case, "refused", message, dict.fromkeys(study.collect))
     cost, numbers = summary.get("cost", {}), summary.get("numbers", {})
-    return Row(
-        case,
-        summary["status"],
-        message,
-        {name: _collected(summary, name) for name in study.collect},
-        cost.get("steps"),
-        numbers.get("particles_fluid"),
-        cost.get("wall_loop_s"),
-        cost.get("wall_total_s"),
-    )
-
-
-def _collected(summary, name):
-    """Number of the last sample if the run reached it, else of ``numbers`` or ``cost``."""
     last = summary["samples"][-1] if summary["status"] == "done" and summary.get("samples") else {}
-    for place in (last, summary.get("numbers", {}), summary.get("cost", {})):
-        if isinstance(place.get(name), int | float):
-            return place[name]
-    return None
+    collected = {
+        name: next((part[name] for part in (last, numbers, cost) if isinstance(part.get(name), int | float)), None)
+        for name in study.collect
+    }
+    steps, particles = cost.get("steps"), numbers.get("particles_fluid")
+    return Row(
+        case, summary["status"], message, collected, steps, particles, cost.get("wall_loop_s"), cost.get("wall_total_s")
+    )
 
 
 def write(study: Study, rows: list[Row], folder: Path) -> None:
     """Write all files from ``rows``, in the order of the cases."""
     names = [each.case.name for each in rows]
-    computed = {
+    computed: dict[str, list] = {
         "run": names,
         **{key: [each.case.values[key] for each in rows] for key in study.keys},
         "status": [each.status for each in rows],
@@ -234,7 +223,11 @@ def write(study: Study, rows: list[Row], folder: Path) -> None:
         **{name: [each.numbers[name] for each in rows] for name in study.collect},
         "message": [each.message for each in rows],
     }
-    costs = {"run": names, "loop_s": [each.seconds for each in rows], "total_s": [each.total for each in rows]}
+    costs: dict[str, list] = {
+        "run": names,
+        "loop_s": [each.seconds for each in rows],
+        "total_s": [each.total for each in rows],
+    }
     for name, columns in ((TABLE, computed), (COSTS, costs)):
         with replaced(folder / name) as new, new.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -248,14 +241,15 @@ def write(study: Study, rows: list[Row], folder: Path) -> None:
             file.create_dataset(name, data=np.array(list(values), dtype=object).astype(kind))
 
 
-def _text(value):
+def _text(value: Any) -> str:
     return "" if value is None else repr(value) if isinstance(value, float) else str(value)
 
 
 def orders(study: Study, rows: list[Row]) -> dict[str, tuple[float, int]]:
-    """Powers with which the error scales with each varied number: median over the runs that agree in all else.
+    """Return key -> (power, number of groups): the power of each varied number with which the error scales.
 
-    Pairs (key, (power, groups)); none where an error does not exist or is zero.
+    A group is a set of runs with equal values of all other keys; the power is the median over the groups. A key is
+    missing where an error does not exist or is zero.
     """
     found = {}
     for key in study.keys:
@@ -266,9 +260,17 @@ def orders(study: Study, rows: list[Row]) -> dict[str, tuple[float, int]]:
     return found
 
 
-def groups(study: Study, rows: list[Row], key: str, of: Callable[[Row], float] | None = None) -> dict[tuple, list]:
-    """Pairs (value of ``key``, ``of(row)``, or else the error) by the values of all other keys; positive ones only."""
-    found = {}
+Points = list[tuple[float, float]]
+
+
+def groups(
+    study: Study, rows: list[Row], key: str, of: Callable[[Row], float | None] | None = None
+) -> dict[tuple[tuple[str, str], ...], Points]:
+    """Return pairs (value of ``key``, ``of(row)``, or else the error) by the values of all other keys.
+
+    Only positive values and numbers count.
+    """
+    found: dict[tuple[tuple[str, str], ...], Points] = {}
     for each in rows:
         value, number = each.case.values[key], of(each) if of else each.numbers[study.error]
         if isinstance(value, bool) or not isinstance(value, int | float) or value <= 0 or not number or number <= 0:
@@ -278,15 +280,8 @@ def groups(study: Study, rows: list[Row], key: str, of: Callable[[Row], float] |
     return {others: sorted(points) for others, points in found.items()}
 
 
-def cheapest(study: Study, rows: list[Row]) -> Row | None:
-    """The run of the shortest loop whose error is within the bound; None without one."""
-    within = [each for each in rows if each.status == "done" and each.numbers[study.error] is not None]
-    within = [each for each in within if study.bound is None or each.numbers[study.error] <= study.bound]
-    return min(within, key=lambda each: each.seconds or np.inf, default=None)
-
-
 def plot(study: Study, rows: list[Row], path: Path) -> bool:
-    """Draw into ``path``; nothing where no key has two numbers."""
+    """Draw the errors and times of ``rows`` into ``path``; return False, without a file, if no key has two numbers."""
     keys = [key for key in study.keys if any(len(points) > 1 for points in groups(study, rows, key).values())]
     if not keys:
         return False
@@ -306,9 +301,9 @@ def plot(study: Study, rows: list[Row], path: Path) -> bool:
     return True
 
 
-def _panel(axes, groups, label, key):
+def _panel(axes: Axes, groups: dict[tuple[tuple[str, str], ...], Points], label: str, key: str) -> None:
     colours = style.colours(max(len(groups), 2), 0.85)
-    lines = []
+    lines: list[StyledLine] = []
     for (others, points), colour in zip(groups.items(), colours, strict=False):
         name = ", ".join(f"{other.rpartition('.')[2]} = {value}" for other, value in others)
         lines.append((points, {"marker": "o", "color": colour, "label": name, "markersize": 4}))
@@ -317,8 +312,12 @@ def _panel(axes, groups, label, key):
         axes.legend(fontsize=7, frameon=False)
 
 
-def draw_lines(axes: Any, lines: list[tuple], label: str, key: str) -> None:
-    """Draw ``lines``, pairs of points (x, y) and options of matplotlib, on logarithmic axes with a tick at each x."""
+StyledLine = tuple[Iterable[tuple[float, float]], dict[str, Any]]
+"""Points (x, y) of a line, and options of matplotlib."""
+
+
+def draw_lines(axes: Axes, lines: list[StyledLine], label: str, key: str) -> None:
+    """Draw ``lines`` on logarithmic axes with a tick at each x; ``label`` names y, ``key`` names x."""
     for points, options in lines:
         axes.loglog(*zip(*points, strict=True), **options)
     values = sorted({value for points, _ in lines for value, _ in points})
@@ -330,9 +329,9 @@ def draw_lines(axes: Any, lines: list[tuple], label: str, key: str) -> None:
 
 
 def run(
-    path: str | Path, folder: Path | None, forecast: Callable, processes: int, scheduler: str | None = None
+    path: str | Path, folder: Path | None, forecast: Forecast, processes: int, scheduler: str | None = None
 ) -> list[Row]:
-    """Run the study in the file ``path`` and leave its results in ``folder``; the ``Row``s, in their order.
+    """Run the study in the file ``path`` and leave its results in ``folder``; return the rows in the study's order.
 
     ``processes`` runs at a time on this machine, or on the workers of the ``scheduler`` at an address. Runs that have
     ended are kept and not run again. Raises ConfigError where the study or the folder cannot be used.
@@ -347,81 +346,123 @@ def run(
 
 
 class Sweep:
-    """The rows of a study so far, kept in ``folder``."""
+    """The known rows of a study, kept in ``folder``; at first the rows of refused configs and of kept runs."""
 
-    def __init__(self, study, folder):
+    def __init__(self, study: Study, folder: Path):
         self.study, self.folder = study, folder
         self.store = Store(folder / "runs")
         self.cases = {case.name: case for case in reversed(study.cases)}
-        self.rows = {}
+        self.known: dict[str, Row] = {}
+        for case in study.cases:
+            if case.config is None:
+                self.known[case.name] = row(study, self.cases[case.name], None, case.refusal or "")
+            elif kept := self.store.kept(case.name, case.config):
+                self.known[case.name] = row(study, self.cases[case.name], kept[0].summary, kept[1])
 
-    def run(self, processes, scheduler):
-        """Run the cases that are missing; print and write as runs end."""
-        missing = self._known()
-        print(f"{len(self.study.cases)} runs, {len(self.study.cases) - len(missing)} of them known", flush=True)
+    @property
+    def rows(self) -> list[Row]:
+        """Rows of the known cases in their order; cases of equal configs share one run."""
+        return [replace(self.known[case.name], case=case) for case in self.study.cases if case.name in self.known]
+
+    def run(self, processes: int, scheduler: str | None) -> list[Row]:
+        """Run the missing cases; print and write the rows as runs end."""
+        study, count = self.study, len(self.study.cases)
+        missing = {case.name: case for case in study.cases if case.name not in self.known}
+        print(f"{count} runs, {count - len(missing)} of them known", flush=True)
         try:
             if missing:
                 self._run(missing, processes, scheduler)
         finally:
-            self._write()
-        drawn = plot(self.study, self._ordered(), self.folder / PICTURE)
-        print(f"\n{self._conclusion()}\n")
+            write(study, self.rows, self.folder)
+        drawn = plot(study, self.rows, self.folder / PICTURE)
+        print(f"\n{conclusion(study, self.rows)}\n")
         for name in (TABLE, COSTS, ARRAYS, *([PICTURE] if drawn else [])):
             print(self.folder / name)
-        return self._ordered()
+        return self.rows
 
-    def _known(self):
-        """Take over refused and kept runs; return the cases that are left, one of each name."""
-        missing = {}
-        for case in self.study.cases:
-            kept = None if case.refusal else self.store.kept(case.name, case.config)
-            if case.refusal:
-                self._add(case.name, None, case.refusal)
-            elif kept:
-                self._add(case.name, kept[0].summary, kept[1])
-            else:
-                missing[case.name] = case
-        return list(missing.values())
-
-    def _run(self, missing, processes, scheduler):
-        configs = {case.name: case.config for case in missing}
-        source = sweep_cluster.outcomes(configs, self.store, scheduler) if scheduler else None
-        engine = Engine(self.store, processes, {case.name: case.seconds for case in missing})
+    def _run(self, missing: dict[str, Case], processes: int, scheduler: str | None) -> None:
+        study, error = self.study, self.study.error
+        configs = {name: case.config for name, case in missing.items() if case.config is not None}
+        source = on_workers(configs, self.store, scheduler) if scheduler else None
+        engine = Engine(self.store, processes, {name: case.seconds for name, case in missing.items()})
         with engine, closing(engine.outcomes(configs, source=source)) as outcomes:
             for count, (name, result, message) in enumerate(outcomes, 1):
-                self._add(name, result.summary, message)
-                engine.say(self._line(name, count, len(missing), engine.seconds_left))
-                self._write()
+                found = self.known[name] = row(study, self.cases[name], result.summary, message)
+                values = ", ".join(f"{key.rpartition('.')[2]} = {value}" for key, value in found.case.values.items())
+                number = found.numbers[error]
+                text = f"{error} {number:.2e}" if number is not None else found.message or found.status
+                left = f"  ({engine.seconds_left:.0f} s left)" if count < len(missing) else ""
+                engine.say(f"{count}/{len(missing)}  {values}: {text}{left}")
+                write(study, self.rows, self.folder)
 
-    def _line(self, name, count, total, rest):
-        found = self.rows[name]
-        values = ", ".join(f"{key.rpartition('.')[2]} = {value}" for key, value in found.case.values.items())
-        error = found.numbers[self.study.error]
-        result = f"{self.study.error} {error:.2e}" if error is not None else found.message or found.status
-        return f"{count}/{total}  {values}: {result}" + (f"  ({rest:.0f} s left)" if count < total else "")
 
-    def _add(self, name, summary, message):
-        self.rows[name] = row(self.study, self.cases[name], summary, message)
+def conclusion(study: Study, rows: list[Row]) -> str:
+    """Return the text below the rows: how many ended how, the orders, and the cheapest run within the bound.
 
-    def _ordered(self):
-        """Rows of the cases that are known, in their order; several may be one run."""
-        return [replace(self.rows[case.name], case=case) for case in self.study.cases if case.name in self.rows]
+    The cheapest run has the shortest loop.
+    """
+    states = [each.status for each in rows]
+    counts = ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states))
+    lines = [f"{len(rows)} runs: {counts}"]
+    powers = [(key, f"{power:.2f}", str(count)) for key, (power, count) in orders(study, rows).items()]
+    if powers:
+        lines += ["", format_table(("key", f"{study.error} ~ key^", "groups of runs"), powers), ""]
+    ended = [each for each in rows if each.status == "done" and each.numbers[study.error] is not None]
+    ended = [each for each in ended if study.bound is None or each.numbers[study.error] <= study.bound]
+    best = min(ended, key=lambda each: each.seconds or np.inf, default=None)
+    within = "" if study.bound is None else f" with {study.error} <= {study.bound:g}"
+    if best is None:
+        return "\n".join([*lines, f"no run{within}"])
+    setting = ", ".join(f"{key} = {value}" for key, value in best.case.values.items())
+    cost = f"{best.numbers[study.error]:.2e} in {best.seconds:.3g} s, {best.steps} steps"
+    return "\n".join([*lines, f"cheapest run{within}: {setting}: {cost}"])
 
-    def _write(self):
-        write(self.study, self._ordered(), self.folder)
 
-    def _conclusion(self):
-        study, rows = self.study, self._ordered()
-        states = [each.status for each in rows]
-        counts = ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states))
-        lines = [f"{len(rows)} runs: {counts}"]
-        powers = [(key, f"{power:.2f}", str(count)) for key, (power, count) in orders(study, rows).items()]
-        if powers:
-            lines += ["", format_table(("key", f"{study.error} ~ key^", "groups of runs"), powers), ""]
-        best = cheapest(study, rows)
-        within = "" if study.bound is None else f" with {study.error} <= {study.bound:g}"
-        if best is None:
-            return "\n".join([*lines, f"no run{within}"])
-        setting = ", ".join(f"{key} = {value}" for key, value in best.case.values.items())
-        cost = f"{best.numbers[study.error]:.2e} in {best.seconds:.3g} s, {best.steps} steps"
-        return "\n".join([*lines, f"cheapest run{within}: {setting}: {cost}"])
+def on_workers(configs: dict[str, dict[str, Any]], store: Store, address: str) -> Outcomes:
+    """Yield (name, ``Result``, message) of runs as they end on the workers of the Dask scheduler at ``address``.
+
+    ``configs`` (name -> config). A worker needs tisph, of the same code, and nothing else: the config is sent to it,
+    and the files of the run are sent back. A run whose worker dies is run again.
+    """
+    distributed = _imported()
+    with _connected(distributed, address) as client:
+        code = fingerprint()
+        keys = {name: f"{name}-{code}" for name in configs}
+        futures = [client.submit(run_on_worker, name, configs[name], code, key=key) for name, key in keys.items()]
+        try:
+            for future in distributed.as_completed(futures):
+                name, files, message = future.result()
+                yield name, store.keep(name, configs[name], files), message
+        finally:
+            client.cancel([future for future in futures if not future.done()])
+
+
+def run_on_worker(name: str, config: dict[str, Any], code: str) -> tuple[str, dict[str, bytes], str]:
+    """Run a config in an empty folder of a worker; return its name, its files by name, and its message."""
+    if fingerprint() != code:
+        raise ConfigError("--scheduler: a worker has another version of tisph than this command")
+    multiprocessing.current_process().daemon = False  # Dask makes it a daemon, which may start no process
+    with tempfile.TemporaryDirectory(prefix="tisph-sweep-") as scratch:
+        path, folder = Path(scratch) / f"{name}.yaml", Path(scratch) / name
+        path.write_text(config_text(name, config), encoding="utf-8")
+        _, message = run_config(path, folder)
+        sent = [file for file in folder.glob("*") if file.is_file() and file.name not in NOT_SENT]
+        return name, {file.name: file.read_bytes() for file in sent}, message
+
+
+def _imported() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise ConfigError("--scheduler: needs Dask: pip install '.[dask]' in a clone") from None
+    return distributed
+
+
+@contextmanager
+def _connected(distributed: Any, address: str) -> Iterator[Any]:
+    try:
+        client = distributed.Client(address, timeout="10s")
+    except (OSError, ValueError, TimeoutError) as error:
+        raise ConfigError(f"--scheduler {address}: cannot be reached: {error}") from None
+    with client:
+        yield client

@@ -1,13 +1,13 @@
 """Comparison of all wall treatments, ``tisph verify --walls``: tables, their picture, and the recommended treatment.
 
-Flows, arrangements of the particles, resolutions and limits are data: ``suites/walls.yaml``. Every treatment serves
-every flow. The recommendation needs no taste: of the treatments whose runs all reached their end, and whose step costs
-at most ``cost_limit`` times that of ``reference``, it is the one with the smallest geometric mean of the errors at the
-resolution ``measured_at`` over all flows and arrangements. The geometric mean makes a halved error count the same in
-every flow, whatever the size of the errors there; costs are averaged over the flows in the same way.
+Flows, arrangements of the particles, resolutions and limits are data: ``suites/walls.yaml``. Every treatment runs in
+every flow. Treatments qualify whose runs all reached their end, and whose step costs at most ``cost_limit`` times the
+step of ``reference``. The recommended one has the smallest geometric mean, over all flows and arrangements, of the
+errors at the resolution ``measured_at``. In a geometric mean a halved error counts the same in every flow, whatever the
+size of the errors there; costs are averaged over the flows in the same way.
 
-Every run is a process on one thread, two at a time. All are kept in the folder of the results, so that an interrupted
-comparison goes on where it was.
+Every run is a process on one thread, two at a time. All are kept in the folder of the results: an interrupted
+comparison continues where it stopped.
 
 The discrete Laplacian next to a wall needs no runs. The particles get an exact profile u(y), the treatment makes the
 wall particles, and the scheme evaluates the acceleration nu lap u + g once, without shifting. The error is the root
@@ -15,30 +15,30 @@ mean square of lap u - u_yy over the particles within a spacing of a wall, or be
 largest |u_yy|. A profile of constant u_yy shows the error of order 0: in the rows next to a wall it is the error of the
 treatment, elsewhere the error of the second moments.
 
-Rows, Laplacians and standings are plain maps, as ``walls.json`` has them.
+Rows, Laplacians and standings are plain maps, as in ``walls.json``.
 """
 
 import json
 import math
 import platform
+from collections.abc import Callable, Collection, Iterator
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from tisph import registry, runtime, scenes, schemes
 from tisph.config.loader import loaded
 from tisph.measures.metrics import fitted_order, root_mean_square
-from tisph.report.style import MUTED, plot_style
+from tisph.report.style import MUTED, constrained_figure, plot_style
 from tisph.runtime import view
 from tisph.studies import suites
-from tisph.studies.engine import Engine
 from tisph.studies.expressions import Number, digits, merged
-from tisph.studies.store import Store, claimed
-from tisph.studies.sweep import draw_lines
+from tisph.studies.processes import Result
+from tisph.studies.store import Engine, Store, claimed
+from tisph.studies.sweep import StyledLine, draw_lines
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__
 
@@ -47,6 +47,9 @@ SIDE_BY_SIDE = 2
 
 DATA = suites.study("walls")
 FLOWS, ARRANGEMENTS, LAPLACIANS = DATA["flows"], DATA["arrangements"], DATA["laplacian"]
+Case = tuple[str, str, str]
+"""Flow, treatment and arrangement of the particles."""
+
 REFERENCE, COST_LIMIT = DATA["reference"], DATA["cost_limit"]
 
 
@@ -56,15 +59,26 @@ def run(folder: str | Path, quick: bool = False) -> bool:
     Returns True if a treatment can be recommended. Raises ConfigError where ``folder`` cannot be used.
     """
     folder, extent = Path(folder), DATA["quick" if quick else "full"]
+    treatments, measured_at = registry.names("walls"), extent["measured_at"]
+    by_flow = [cases(flow, treatments, extent) for flow in FLOWS]
+    columns, rows = widths(extent, treatments), []
     with claimed(folder, "another comparison is writing there"):
-        rows, measured_at = list(_rows(folder, extent)), extent["measured_at"]
+        print(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
+        print(format_header(header(extent), columns), flush=True)
+        names = [name for own in by_flow for name in runs(own, extent)]
+        with Engine(Store(folder / "runs"), SIDE_BY_SIDE, dict.fromkeys(names, 0.0)) as engine:
+            for own in by_flow:
+                ended = engine.outcomes(runs(own, extent))
+                for row in rows_of(own, {name: (result, message) for name, result, message in ended}, extent):
+                    engine.say(format_row(cells(row), columns))
+                    rows.append(row)
         found = {
             "measured_at": measured_at,
             "cost_limit": COST_LIMIT,
             "recommended": recommended(standings(rows, measured_at)),
             "treatments": standings(rows, measured_at),
             "rows": rows,
-            "laplacians": laplacians(registry.names("walls"), extent["resolutions"]),
+            "laplacians": laplacians(treatments, extent["resolutions"]),
             "version": __version__,
             "platform": platform.platform(),
         }
@@ -75,23 +89,7 @@ def run(folder: str | Path, quick: bool = False) -> bool:
         return found["recommended"] is not None
 
 
-def _rows(folder, extent):
-    """Yield the row of each case of all flows, and print it."""
-    treatments = registry.names("walls")
-    by_flow = [cases(flow, treatments, extent) for flow in FLOWS]
-    columns = widths(extent, treatments)
-    print(f"finished runs are kept in {folder / 'runs'} and used again by the same command\n")
-    print(format_header(header(extent), columns), flush=True)
-    names = [name for own in by_flow for name in runs(own, extent)]
-    with Engine(Store(folder / "runs"), SIDE_BY_SIDE, dict.fromkeys(names, 0.0)) as engine:
-        for own in by_flow:
-            outcomes = {name: outcome for name, *outcome in engine.outcomes(runs(own, extent))}
-            for row in rows_of(own, outcomes, extent):
-                engine.say(format_row(cells(row), columns))
-                yield row
-
-
-def _without_nan(data):
+def _without_nan(data: Any) -> Any:
     if isinstance(data, dict):
         return {str(key): _without_nan(value) for key, value in data.items()}
     if isinstance(data, list | tuple):
@@ -99,47 +97,50 @@ def _without_nan(data):
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
-def cases(flow, treatments, extent):
-    """Return the cases of a flow, (flow, treatment, arrangement): every arrangement of each of ``treatments``."""
+def cases(flow: str, treatments: Collection[str], extent: dict[str, Any]) -> list[Case]:
+    """Return the cases of a flow: every arrangement of each of ``treatments``."""
     return [(flow, name, arrangement) for name in treatments for arrangement in extent["arrangements"]]
 
 
-def runs(cases, extent):
+def runs(cases: list[Case], extent: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the configs of the runs of ``cases`` by name."""
     return {name_of(case, number): config_of(case, number) for case in cases for number in extent["resolutions"]}
 
 
-def name_of(case, number):
+def name_of(case: Case, number: int) -> str:
     """Return the name of the run of a case at ``number`` particles across."""
     return f"{'-'.join(case).replace(' ', '_')}-{number}"
 
 
-def config_of(case, number):
+def config_of(case: Case, number: int) -> dict[str, Any]:
     """Return the config of the run of a case at ``number`` particles across."""
     flow, treatment, arrangement = case
     own = {"initial": {"jitter": ARRANGEMENTS[arrangement], "seed": 0}, "runtime": {"threads": 1}}
     return merged(_config(FLOWS[flow]["change"], treatment, number, DATA["columns"]), own)
 
 
-def _config(change, treatment, number, columns):
+def _config(change: dict[str, Any], treatment: str, number: int, columns: float) -> dict[str, Any]:
     size = {"discretisation": {"particles_across": number}, "geometry": {"length": digits(columns / number)}}
     return merged(DATA["base"], change, size, {"walls": {"treatment": {"type": treatment}}})
 
 
-def rows_of(cases, outcomes, extent):
+def rows_of(
+    cases: list[Case], outcomes: dict[str, tuple[Result, str]], extent: dict[str, Any]
+) -> Iterator[dict[str, Any]]:
     """Yield the numbers of each case of a flow from the (``Result``, message) of all their runs by name.
 
-    ``errors`` by particles across, the largest of all times; ``order`` of their fall; ``wall_shear``: error of the wall
-    shear stress; ``stress_error``: of the polymer, None without one; ``cost``: seconds of a step over those of
-    ``REFERENCE``; ``stopped``: messages of runs that did not reach their end. NaN where a run gave no number.
+    ``errors``: particles across -> largest error of all times; ``order``: order of convergence; ``wall_shear``: error
+    of the wall shear stress; ``stress_error``: error of the polymer stress, None without polymer; ``cost``: time of a
+    step over the time of a step of ``REFERENCE``; ``stopped``: messages of runs that did not reach their end. NaN where
+    a run gave no number.
     """
 
-    def step_seconds(case):
+    def step_seconds(case: Case) -> float:
         summary = outcomes[name_of(case, measured_at)][0].summary
         cost = summary.get("cost") if summary["status"] == "done" else None
         return cost["wall_loop_s"] / cost["steps"] if cost else math.nan
 
-    def largest(number, measure):
+    def largest(number: int, measure: str) -> float:
         result, value = outcomes[name_of(case, number)][0], Number(measure, "measure")
         return float(np.max([value(result, result.sample(time)) for time in flow["t_star"]]))
 
@@ -163,7 +164,7 @@ def rows_of(cases, outcomes, extent):
         }
 
 
-def standings(rows, measured_at):
+def standings(rows: Collection[dict[str, Any]], measured_at: int) -> list[dict[str, Any]]:
     """Return geometric means of errors and costs, and how many runs stopped, of each treatment in ``rows``."""
     found = []
     for name in dict.fromkeys(row["case"]["treatment"] for row in rows):
@@ -175,8 +176,8 @@ def standings(rows, measured_at):
     return found
 
 
-def recommended(found):
-    """Return the treatment of the smallest mean error that stopped nowhere, at a cost within the limit; or None."""
+def recommended(found: list[dict[str, Any]]) -> str | None:
+    """Return the treatment with the smallest mean error of those without a stopped run and within the cost limit."""
     finished = [one for one in found if not one["stopped"] and math.isfinite(one["error"])]
     eligible = [one for one in finished if one["cost"] <= COST_LIMIT]
     return min(eligible, key=lambda one: one["error"])["treatment"] if eligible else None
@@ -192,31 +193,33 @@ PROFILES = {
         lambda y: -2.0 * np.pi * np.sin(2.0 * np.pi * y),
     ),
 }
-"""u and u_yy of a driven flow, bent at the walls, and of a sheared one, whose u_yy vanishes there."""
+"""Functions u and u_yy of a driven flow, bent at the walls, and of a sheared flow, whose u_yy vanishes there."""
 
 
-def laplacians(treatments, resolutions):
+def laplacians(treatments: Collection[str], resolutions: list[int]) -> list[dict[str, Any]]:
     """Return each treatment with the usual kernel, then the consistent images with each kernel and ratio."""
-    settings = [(name, profile, resolutions) for name in treatments for profile in PROFILES]
+    settings: list[tuple] = [(name, profile, resolutions) for name in treatments for profile in PROFILES]
     for kernel, ratios in LAPLACIANS["kernels"].items():
         several = [(profile, resolutions[-3:][:2], kernel, ratio) for ratio in ratios for profile in PROFILES]
         settings += [("consistent_image", *setting) for setting in several]
     return [each for setting in settings for each in measured(*setting)]
 
 
-def measured(name, profile, resolutions, kernel="quintic_spline", ratio=1.0):
+def measured(
+    name: str, profile: str, resolutions: list[int], kernel: str = "quintic_spline", ratio: float = 1.0
+) -> list[dict[str, Any]]:
     """Return errors (next to the walls, inside) by particles across, and the orders of both, of each arrangement.
 
     Each row of particles of ``rows slid`` is displaced along x at random, as shear flow does. An error of round-off has
     no order.
     """
     runtime.start("f64", 1)
-    errors = {}
+    errors: dict[str, dict[int, tuple[float, ...]]] = {}
     for number in resolutions:
-        config = _config(LAPLACIANS["profiles"][profile], name, number, LAPLACIANS["columns"])
-        config = loaded(merged(config, {"discretisation": {"kernel": kernel, "smoothing_ratio": ratio}}), {})
+        plain = _config(LAPLACIANS["profiles"][profile], name, number, LAPLACIANS["columns"])
+        config = loaded(merged(plain, {"discretisation": {"kernel": kernel, "smoothing_ratio": ratio}}), {})
         scene = scenes.of(config).in_flow_frame()
-        scheme = schemes.build(config, scene, [config.time.end], serial=True)
+        scheme: Any = schemes.build(config, scene, [config.time.end], serial=True)
         view(scheme.operators.shift_speed)[...] = 0.0
         x, y = scene.lattice()
         slid = scene.spacing * np.random.default_rng(0).uniform(size=number)[(y / scene.spacing).astype(int)]
@@ -225,18 +228,15 @@ def measured(name, profile, resolutions, kernel="quintic_spline", ratio=1.0):
         for arrangement, place in places.items():
             errors.setdefault(arrangement, {})[number] = _error(scheme, *PROFILES[profile], *place)
     settings = {"treatment": name, "profile": profile, "kernel": kernel, "ratio": ratio}
-    return [
-        {**settings, "arrangement": each, "errors": found, "orders": [_order(found, place) for place in (0, 1)]}
-        for each, found in errors.items()
-    ]
+    rows = []
+    for arrangement, found in errors.items():
+        both = zip(*found.values(), strict=True)
+        orders = [fitted_order(found.keys(), each) if min(each) > ROUND_OFF else math.nan for each in both]
+        rows.append({**settings, "arrangement": arrangement, "errors": found, "orders": orders})
+    return rows
 
 
-def _order(errors, place):
-    values = [each[place] for each in errors.values()]
-    return fitted_order(errors.keys(), values) if min(values) > ROUND_OFF else math.nan
-
-
-def _error(scheme, velocity, curvature, x, y):
+def _error(scheme: Any, velocity: Callable, curvature: Callable, x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
     """Return the error of the Laplacian of a profile next to the walls, and inside."""
     scene, particles = scheme.scene, scheme.particles
     scheme.length = 0.0  # no step is pending
@@ -252,21 +252,21 @@ def _error(scheme, velocity, curvature, x, y):
     return tuple(float(root_mean_square(part)) if part.size else math.nan for part in parts)
 
 
-def header(extent):
+def header(extent: dict[str, Any]) -> tuple[str, ...]:
     """Return the titles of the columns."""
     errors = (f"{number} across" for number in extent["resolutions"])
     return "flow", "treatment", "particles", "error", *errors, "order", "wall shear", "S_xy", "cost"
 
 
-def widths(extent, treatments):
-    """Return the widths of the columns: of the longest names, and of numbers as wide as there may be."""
+def widths(extent: dict[str, Any], treatments: Collection[str]) -> list[int]:
+    """Return the widths of the columns, for the longest names and the widest numbers."""
     names = [flow["title"] for flow in FLOWS.values()], treatments, ARRANGEMENTS
     numbers = "rms", *["1.2e-03"] * len(extent["resolutions"]), "-1.23", "12.34 %", "1.2e-03", "12.34"
     widest = [*(max(each, key=len) for each in names), *numbers]
     return [max(map(len, column)) for column in zip(header(extent), widest, strict=True)]
 
 
-def cells(row):
+def cells(row: dict[str, Any]) -> tuple[str, ...]:
     """Return the cells of a row."""
     flow, treatment, arrangement = row["case"].values()
     return (
@@ -282,7 +282,7 @@ def cells(row):
     )
 
 
-def conclusion(found, files):
+def conclusion(found: dict[str, Any], files: str) -> str:
     """Return the text below the rows: legend, runs that stopped, standings, Laplacians and the recommendation."""
     means = [
         (one["treatment"], _number(one["error"], ".2e"), _number(one["cost"], ".2f"), str(one["stopped"]))
@@ -308,23 +308,23 @@ def conclusion(found, files):
     return "\n" + "\n\n".join(filter(None, texts))
 
 
-def _number(value, style, missing="-"):
+def _number(value: float, style: str, missing: str = "-") -> str:
     return format(value, style) if math.isfinite(value) else missing
 
 
-# Okabe and Ito's colours, which colour-blind eyes tell apart too; the markers tell the same without colour.
+# Okabe and Ito's colours, which colour-blind people can distinguish; the markers distinguish the treatments without.
 LOOKS = (("#d55e00", "v"), ("#009e73", "s"), ("#56b4e9", "o"), ("#000000", "x"), ("#cc79a7", "D"), ("#e69f00", "P"))
 STYLES = dict(zip(ARRANGEMENTS, ("-", "--"), strict=True))
 COLUMNS = 3
 
 
-def plot_walls(path, rows, laplacians):
+def plot_walls(path: Path, rows: Collection[dict[str, Any]], laplacians: list[dict[str, Any]]) -> None:
     """Write the picture to ``path``: error against resolution, a panel for each flow and each profile.
 
     Runs that stopped leave gaps.
     """
     treatments = dict.fromkeys(row["case"]["treatment"] for row in rows)
-    looks = {
+    looks: dict[str, dict[str, Any]] = {
         name: {"color": colour, "marker": marker, "markerfacecolor": "none", "markersize": 7}
         for name, (colour, marker) in zip(treatments, cycle(LOOKS), strict=False)
     }
@@ -332,9 +332,8 @@ def plot_walls(path, rows, laplacians):
     panels = _panels(rows, laplacians, looks, drawn)
     with plot_style():
         height = -(-len(panels) // COLUMNS)
-        figure = Figure((12.0, 3.9 * height + 0.9), dpi=120, layout="constrained")
-        figure.get_layout_engine().set(w_pad=0.1, h_pad=0.1)
-        FigureCanvasAgg(figure)
+        figure = constrained_figure((12.0, 3.9 * height + 0.9), dpi=120)
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.1)
         axes = figure.subplots(height, COLUMNS, squeeze=False).ravel()
         for each, (title, label, lines) in zip(axes, panels, strict=False):
             draw_lines(each, lines, label, "particles across the gap")
@@ -348,10 +347,18 @@ def plot_walls(path, rows, laplacians):
         figure.savefig(path)
 
 
-def _panels(rows, laplacians, looks, drawn):
-    """Return title, label and lines of each panel: of Laplacians those with the usual kernel, next to the wall."""
+def _panels(
+    rows: Collection[dict[str, Any]],
+    laplacians: list[dict[str, Any]],
+    looks: dict[str, dict[str, Any]],
+    drawn: dict[str, str],
+) -> list[tuple[str, str, list[StyledLine]]]:
+    """Return title, label and lines of each panel: errors of a flow, or of Laplacians next to a wall.
 
-    def line(points, of):
+    Laplacians are drawn with the usual kernel only.
+    """
+
+    def line(points: dict[int, float], of: dict[str, Any]) -> StyledLine:
         return points.items(), {**looks[of["treatment"]], "linestyle": drawn[of["arrangement"]], "linewidth": 1.4}
 
     panels = []

@@ -58,7 +58,7 @@ def build(config, scene, targets, serial):
     if not scene.parallel:
         from tisph.schemes import _two_dimensional
 
-        return _two_dimensional.scheme(config, scene, targets, serial)
+        return _two_dimensional.build(config, scene, targets, serial)
     from tisph.schemes._channel.scheme import ChannelScheme
 
     return ChannelScheme(config, scene, control(config, scene, targets), serial)

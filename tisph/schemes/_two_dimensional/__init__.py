@@ -154,7 +154,7 @@ class BoundedProblem(_Problem):
         return self.n_fluid + self.walls.count
 
 
-def scheme(config, scene, targets, serial):
+def build(config, scene, targets, serial):
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 

@@ -1,4 +1,4 @@
-"""Axisymmetric flow with swirl: operators, exact flows through the axis, vortices, a sphere, restarts."""
+"""Axisymmetric flow with swirl: operators, exact flows through the axis, vortices, and a sphere."""
 
 import numpy as np
 import pytest

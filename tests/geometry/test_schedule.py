@@ -1,16 +1,11 @@
-"""Walls whose velocity is given at some times: the motion itself, and the flow that it makes in a Newtonian liquid."""
+"""Walls whose velocity is given at some times: velocity, displacement, and age of the motion."""
 
 import numpy as np
 import pytest
-from oracles import scheduled_wall
-from oracles.scheduled_wall import _image_gradient, _image_velocity, _series_gradient, _series_velocity
 
-from tisph.exact import couette
 from tisph.geometry.motion import Schedule
 
 WALL = Schedule((0.1, 0.3, 0.3, 0.6, 0.9), (0.0, 1.0, 0.5, 2.0, 0.0))
-LIQUID = {"gap": 0.5, "kinematic_viscosity": 2.0}
-HEIGHTS = np.linspace(0.0, 0.5, 11)
 
 
 def test_a_jump_is_seen_from_before_and_entered_after():
@@ -26,30 +21,6 @@ def test_a_jump_is_seen_from_before_and_entered_after():
 def test_the_displacement_is_the_integral_of_the_velocity():
     # triangle, trapezium, triangle
     assert WALL.displacement(np.array([0.0, 0.3, 0.6, 0.9, 1.5])) == pytest.approx([0.0, 0.1, 0.475, 0.775, 0.775])
-
-
-def test_both_forms_of_a_ramp_agree():
-    eta, times = np.meshgrid(np.linspace(0.0, 1.0, 11), [0.03, 0.1, 0.3])
-    assert np.abs(_series_velocity(eta, times) - _image_velocity(eta, times)).max() < 1e-15
-    assert np.abs(_series_gradient(eta, times) - _image_gradient(eta, times)).max() < 1e-15
-
-
-def test_a_ramp_is_the_integral_of_starts():
-    # du/dt of the ramp is the start-up flow; central differences in time err by its third derivative, 1e-6 here
-    breakpoints, step = [(0.0, 0.0, 3.0)], 1e-4
-    for part in ("velocity", "shear_rate"):
-        ramp = getattr(scheduled_wall, part)
-        rates = [ramp(HEIGHTS, 0.05 + sign * step, **LIQUID, breakpoints=breakpoints) for sign in (-1, 1)]
-        start = getattr(couette, part)(HEIGHTS, 0.05, **LIQUID, bottom=0.0, top=3.0)
-        assert (rates[1] - rates[0]) / (2 * step) == pytest.approx(start, abs=2e-5 * np.abs(start).max())
-
-
-def test_a_wall_that_stops_leaves_the_difference_of_two_starts():
-    breakpoints = Schedule((0.0, 0.1, 0.1), (3.0, 3.0, 0.0)).breakpoints
-    found = scheduled_wall.velocity(HEIGHTS, 0.16, **LIQUID, breakpoints=breakpoints)
-    starts = [couette.velocity(HEIGHTS, t, **LIQUID, bottom=0.0, top=3.0) for t in (0.16, 0.06)]
-    assert found == pytest.approx(starts[0] - starts[1], abs=1e-14)
-    assert scheduled_wall.velocity(0.5, 0.1, **LIQUID, breakpoints=breakpoints) == 3.0  # not stopped yet
 
 
 def test_the_age_counts_from_jumps_and_from_steep_changes_not_from_kinks():

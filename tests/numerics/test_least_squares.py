@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from tisph.least_squares import SUPPORT
-from tisph.neighbours.point_cloud import active
 from tisph.runtime import view
 from tisph.solvers.bicgstab import BiCGStab
 
@@ -285,17 +284,3 @@ def test_nothing_on_the_right_gives_nothing(assembled, counted):
     assert scheme.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
     assert np.all(solution(scheme.solver) == 0.0)
     assert not iterations
-
-
-@pytest.mark.slow  # tests/schemes/test_bits_between_walls.py has the loops of lists and assembly, too
-@pytest.mark.other_program
-def test_bitwise_the_same_on_one_thread_and_on_two(make):
-    # 25 across: 625 particles, of which two threads share the loops of lists and assembly
-    states = []
-    for threads in (1, 2):
-        scheme = make(*IMPLICIT, "discretisation.particles_across=25", f"runtime.threads={threads}", jitter=0.2)
-        for _ in range(6):
-            scheme.advance()
-        states.append([active(scheme.motion.position).copy(), active(scheme.stepper.velocity).copy(), scheme.time])
-    for one, two in zip(*states, strict=True):
-        assert np.array_equal(one, two)

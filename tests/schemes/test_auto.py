@@ -30,16 +30,6 @@ def test_a_config_without_a_scheme_gets_the_implicit_one_at_balanced_accuracy(re
     assert reason.startswith("implicit, order 4: balanced accuracy")
 
 
-def test_accuracy_tightens_the_steps(resolved):
-    tolerances, strains = [], []
-    for accuracy in ("fast", "balanced", "high"):
-        config, _ = resolved(f"scheme={{type: auto, accuracy: {accuracy}}}")
-        tolerances.append(config.time.tolerance)
-        strains.append(config.scheme.largest_strain)
-    assert tolerances == sorted(tolerances, reverse=True)
-    assert strains == sorted(strains, reverse=True)
-
-
 @pytest.mark.parametrize(
     ("liquid", "accuracy", "steps"),
     [  # as docs/theory/implicit.md says them
@@ -75,12 +65,6 @@ def test_steps_of_free_bodies_do_not_depend_on_particles_across(liquid, toleranc
         finer = (f"discretisation.particles_across={number}", "initial.state=rest", *liquid)
         config, _ = schemes.resolve(load(CONFIGS / "free_cylinder.yaml", finer))
         assert config.time.tolerance == tolerance
-
-
-def test_a_viscoelastic_fluid_gets_the_implicit_one_with_steps_of_its_own(resolved):
-    config, reason = resolved(POLYMER)
-    assert reason.startswith("implicit, order 4: balanced accuracy")
-    assert config.time.tolerance < resolved()[0].time.tolerance
 
 
 def test_a_tolerance_of_the_config_goes_before(resolved):

@@ -19,9 +19,6 @@ runtime: {threads: 1}
 """
 """A square array of cylinders of solid fraction 0.2, driven so that the mean velocity is 1 at last, Re = 0.05."""
 
-DRAG = 51.53
-"""Over dynamic viscosity times mean velocity, with the buoyancy of the pressure that falls: Sangani & Acrivos 1982."""
-
 
 @pytest.fixture
 def make(tmp_path):
@@ -37,33 +34,6 @@ def run(scene, scheme):
     while not scheme.finished:
         scheme.advance()
     return scene.diagnostics(scheme.snapshot(), None)
-
-
-def total_drag(scene, found):
-    """Drag with the buoyancy of the pressure gradient, over dynamic viscosity times mean velocity."""
-    buoyancy = scene.density * scene.acceleration * scene.bodies[0].shape.area
-    return (found["drag"] + buoyancy) / (scene.dynamic_viscosity * found["superficial_velocity"])
-
-
-@pytest.mark.slow  # array_0.4 of tests/verification/test_suite.py is one
-def test_slow_flow_through_a_square_array(make):
-    # 12 spacings across a cylinder: 2e-3; with 20 spacings 3e-4 (docs/evidence/verification.md)
-    scene, scheme = make()
-    found = run(scene, scheme)
-    assert total_drag(scene, found) == pytest.approx(DRAG, rel=3e-3)
-    force = scene.density * scene.acceleration * scene.region.area
-    assert found["drag"] == pytest.approx(force, rel=3e-3)  # what drives the liquid is what it exerts
-    assert abs(found["lift"]) < 1e-3 * force
-    assert abs(found["torque"]) < 1e-3 * force * scene.reference_length
-
-
-@pytest.mark.slow  # one that crosses an edge is in the next test
-def test_a_body_across_the_corners_of_the_cell_is_one_body(make):
-    # what is left of the start by then is the same; the particles lie differently: that is the difference
-    middle = run(*make("time.end=0.01"))
-    corner = run(*make("time.end=0.01", "bodies=[{centre: [0.0, 0.0], radius: 0.25231325}]"))
-    assert corner["drag"] == pytest.approx(middle["drag"], rel=2e-3)
-    assert corner["superficial_velocity"] == pytest.approx(middle["superficial_velocity"], rel=2e-3)
 
 
 @pytest.mark.parametrize("moves", [pytest.param(False, marks=pytest.mark.slow), True])  # array_0.4 has a drive

@@ -53,25 +53,6 @@ def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
         assert np.linalg.norm(rough - truth) / np.linalg.norm(fine - truth) > 5.5
 
 
-@pytest.mark.slow  # oldroyd_b_couette_25 of tests/verification/test_suite.py is held to as much, wall shear too
-def test_an_impulsively_started_wall(make):
-    # 25 across, from t = 0.5 on, when the first front has crossed half of the gap; twice what was measured
-    scheme = make("walls.top.velocity=1.0", "discretisation.particles_across=25", "time={end: 0.5, tolerance: 1.0e-6}")
-    assert np.all(errors(scheme) < [8e-5, 8e-5, 6e-4])
-
-
-@pytest.mark.slow  # carreau and bingham of tests/verification/test_suite.py meet their reference
-def test_a_power_law_of_index_one_is_a_newtonian_fluid(make):
-    options = ("walls.top.velocity=1.0", "time={end: 0.2, tolerance: 1.0e-5}", *DRIVEN[1:])
-    laws = (
-        LIQUID.format("{type: newtonian}"),
-        LIQUID.format("{type: power_law, index: 1.0, reference_rate: 1.0, least_rate: 0.1}"),
-    )
-    plain, power = (run(make(law, *options)) for law in laws)
-    # tolerances of their linear systems, 1e-8 of the velocities, over 30 steps
-    assert np.abs(plain.u - power.u).max() < 1e-6
-
-
 FENE = LIQUID.format("{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.1, maximum_extension: 9.0}")
 MODES = (
     "modes: [{relaxation_time: 1, fraction: 0.6}, {type: giesekus, relaxation_time: 0.2, mobility: 0.2, fraction: 0.3}]"

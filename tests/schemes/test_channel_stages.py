@@ -73,12 +73,6 @@ def test_no_oscillation_or_decay_grows():
     assert max(abs(growth(z)) for z in axis) <= 1 + ROUNDING
 
 
-def test_growth_follows_the_exponential_to_third_order():
-    errors = [abs(growth(z) - np.exp(z)) for z in (-0.1, -0.05)]
-    # the error of a step is of order z^4: a ratio of 16, less what the next term takes at z = 0.1
-    assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
-
-
 def test_a_stage_is_predicted_from_the_polynomial_of_the_rates_before_it():
     weights = stages.stage_predictors()
     assert not np.triu(weights).any()

@@ -74,19 +74,6 @@ def test_a_stopped_wall_gives_the_opposite_impulse(make):
     assert np.allclose(stopped - 0.5 * y, -started, atol=1e-14)
 
 
-@pytest.mark.slow  # poiseuille_25 of tests/verification/test_suite.py does so
-def test_the_impulse_halves_the_error_of_start_up_flow(make):
-    # what it is for: the error after the jump, with the mode sums of the scheme corrected
-    errors = []
-    for treatment in ("comoving_image", "consistent_image"):
-        scheme = make(f"walls.treatment.type={treatment}", "discretisation.particles_across=25", "time.end=2.7")
-        while not scheme.finished:
-            scheme.advance()
-        snapshot = scheme.snapshot()
-        errors.append(np.linalg.norm(snapshot.u - scheme.scene.exact_velocity(snapshot.y, snapshot.t)))
-    assert errors[1] < 0.6 * errors[0]
-
-
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 def test_an_impulse_shears_a_polymer_that_is_at_rest(make, jitter):
     # the conformation 1 + S/G of simple shear has det = 1 and A_yy = 1; at the wall S_xy,y = G u_yy = G J/nu_s

@@ -95,11 +95,6 @@ class CircularCouette:
         inner, outer = (r**2 * self.settled_shear_rate(r, t) for r in (self.inner_radius, self.outer_radius))
         return factor * inner, -factor * outer
 
-    def angular_momentum(self, t, *, density):
-        """Angular momentum int 2 pi rho u r^2 dr of the fluid at one time, per length along the axis."""
-        series = self._series(t, lambda r, u: u * r**2)
-        return 2 * np.pi * density * self._integral(series)[1]
-
     def pressure(self, r, t, *, density, settled=False):
         """Pressure at radii ``r`` and one time, of zero mean over the area; ``settled``: of the flow tended to."""
         change, total = self._integral(self._series(t, lambda r, u: density * u**2 / r, settled))

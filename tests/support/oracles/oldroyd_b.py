@@ -85,42 +85,10 @@ def shear_stress(y, t, *, fluid, flow, before=None):
     return scale * _by_time(lambda eta, time: profiles(problem, eta, time)[2], y, t, fluid, flow)
 
 
-def total_shear_stress(y, t, *, fluid, flow, before=None):
-    """Shear stress of solvent and polymer; arguments as ``velocity``. Infinite at t = 0 on a wall that jumps."""
-    problem = _problem(fluid, flow, before)
-
-    def total(eta, time):
-        _, slope, polymer = profiles(problem, eta, time)
-        return problem.solvent_fraction * slope + polymer
-
-    return _total_viscosity(fluid) / flow.gap * _by_time(total, y, t, fluid, flow)
-
-
 def normal_stress(y, t, *, fluid, flow, before=None):
     """Polymer normal stress S_xx, which is the first normal stress difference; arguments as ``velocity``."""
     problem = _problem(fluid, flow, before)
     return fluid.density * _by_time(lambda eta, time: normal_stress_at(problem, eta, time), y, t, fluid, flow)
-
-
-def developed_velocity(y, *, fluid, flow):
-    """Velocity of the steady flow, that of a Newtonian fluid of the total viscosity; shape of ``y``."""
-    return _steady(fluid, flow).velocity(np.asarray(y, dtype=float) / flow.gap)[()]
-
-
-def developed_shear_rate(y, *, fluid, flow):
-    """Velocity gradient du/dy (1/time) of the steady flow; shape of ``y``."""
-    return _steady(fluid, flow).slope(np.asarray(y, dtype=float) / flow.gap)[()] / flow.gap
-
-
-def developed_shear_stress(y, *, fluid, flow):
-    """Polymer shear stress S_xy = polymer_viscosity du/dy of the steady flow; shape of ``y``."""
-    return fluid.polymer_viscosity * developed_shear_rate(y, fluid=fluid, flow=flow)
-
-
-def developed_normal_stress(y, *, fluid, flow):
-    """Polymer normal stress S_xx = 2 relaxation_time polymer_viscosity (du/dy)^2 of the steady flow."""
-    rate = developed_shear_rate(y, fluid=fluid, flow=flow)
-    return 2 * fluid.relaxation_time * fluid.polymer_viscosity * rate**2
 
 
 def _total_viscosity(fluid):

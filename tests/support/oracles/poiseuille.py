@@ -42,11 +42,6 @@ def developed_velocity(y, *, gap, kinematic_viscosity, acceleration):
     return acceleration * y * (gap - y) / (2 * kinematic_viscosity)
 
 
-def developed_shear_rate(y, *, gap, kinematic_viscosity, acceleration):
-    """Velocity gradient du/dy = g (H/2 - y)/nu of the steady flow; shape of ``y``."""
-    return acceleration * (gap / 2 - np.asarray(y, dtype=float)) / kinematic_viscosity
-
-
 def _at_rest(eta, diffusion_time):
     return np.zeros_like(eta)
 

@@ -1,16 +1,19 @@
-"""Start-up of any liquid: against closed forms, against itself at another order, and against linear theory."""
+"""Start-up between plane walls: against closed forms, literature, another order, and linear theory."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from oracles import oldroyd_b, oscillating_wall
+from oracles import oldroyd_b, oscillating_wall, poiseuille, scheduled_wall
+from oracles.circular_couette import CircularCouette
 from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tisph import registry
-from tisph.exact.start_up import Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact import couette
+from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 
 HEIGHTS = np.linspace(0.0, 1.0, 41)
 COUETTE, POISEUILLE = Flow(1.0, top=Wall(1.0)), Flow(1.0, acceleration=2.0)
@@ -260,3 +263,160 @@ def test_the_start_itself():
         ViscoelasticFluid(0.0, ())
     with pytest.raises(ValueError, match="gap of 2"):
         StartUp(liquid("giesekus"), COUETTE, Flow(2.0))
+
+
+GAP, NU = 0.7, 0.3
+PLACES_IN_GAP = np.linspace(0.0, GAP, 41)
+TIMES = GAP**2 / NU * np.array([1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0])
+FLUID = ViscoelasticFluid(NU, ())
+SETTING = {"gap": GAP, "kinematic_viscosity": NU}
+OSCILLATIONS = [WallMotion(*numbers) for numbers in ((1.0, 0.0, 3.0), (0.0, 1.0, 3.0), (0.4, -1.0, 300.0))]
+RAMPS = Schedule((0.0, 0.2, 0.2, 0.5), (0.3, 1.0, -0.5, 0.2))
+
+
+def assert_close(found, expected, bound=1e-8):
+    finite = np.isfinite(expected)
+    assert (np.isfinite(found) == finite).all()
+    difference = np.where(finite, np.abs(np.where(finite, found, 0.0) - np.where(finite, expected, 0.0)), 0.0)
+    largest = np.abs(np.where(finite, expected, 0.0)).max(axis=0)
+    assert (difference.max(axis=0) <= bound * largest).all()
+
+
+def compare(solved, velocity, shear_rate, times=TIMES):
+    places = PLACES_IN_GAP[:, None], times[None]
+    assert_close(solved.velocity(*places), velocity(*places))
+    assert_close(solved.shear_rate(*places), shear_rate(*places))
+
+
+def closed_form(module, **numbers):
+    def bound(name):
+        return lambda y, t: getattr(module, name)(y, t, **SETTING, **numbers)
+
+    return bound("velocity"), bound("shear_rate")
+
+
+def test_couette_is_its_layer_to_the_last_bit():
+    solved = StartUp(FLUID, Flow(GAP, Wall(-0.4), Wall(1.0)))
+    assert (
+        solved.velocity(PLACES_IN_GAP, 0.1) == couette.velocity(PLACES_IN_GAP, 0.1, **SETTING, bottom=-0.4, top=1.0)
+    ).all()
+    compare(solved, *closed_form(couette, bottom=-0.4, top=1.0))
+
+
+def test_poiseuille_from_rest():
+    compare(StartUp(FLUID, Flow(GAP, acceleration=2.0)), *closed_form(poiseuille, acceleration=2.0))
+
+
+def test_poiseuille_developed_stays():
+    flow = Flow(GAP, acceleration=2.0)
+    expected = poiseuille.developed_velocity(PLACES_IN_GAP, **SETTING, acceleration=2.0)
+    assert_close(StartUp(FLUID, flow, flow).velocity(PLACES_IN_GAP, TIMES[-1]), expected)
+
+
+@pytest.mark.parametrize("wall", OSCILLATIONS, ids=str)
+def test_oscillating_wall_from_rest(wall):
+    compare(StartUp(FLUID, Flow(GAP, Wall(), wall)), *closed_form(oscillating_wall, wall=wall))
+
+
+@pytest.mark.parametrize("wall", OSCILLATIONS, ids=str)
+def test_oscillating_wall_in_its_periodic_state(wall):
+    flow = Flow(GAP, Wall(), wall)
+    periodic = [
+        lambda y, t, form=form: form(y, t, **SETTING, wall=wall)
+        for form in (oscillating_wall.periodic_velocity, oscillating_wall.periodic_shear_rate)
+    ]
+    compare(StartUp(FLUID, flow, flow), *periodic)
+
+
+def test_scheduled_wall():
+    compare(StartUp(FLUID, Flow(GAP, Wall(), RAMPS)), *closed_form(scheduled_wall, breakpoints=RAMPS.breakpoints))
+
+
+CYLINDERS = [
+    (WallMotion(2.0), WallMotion(0.0)),
+    (WallMotion(0.0, before=1.0), WallMotion(0.5, before=0.5)),
+    (WallMotion(1.0, 0.5, 7.0), WallMotion(0.0, 2.0, 3.0)),
+]
+
+
+@pytest.mark.parametrize(("inner", "outer"), CYLINDERS, ids=["start", "stop", "oscillation"])
+def test_cylinders(inner, outer):
+    before = tuple(Wall(wall.before or 0.0) for wall in (inner, outer))
+    radii = 1.0, 1.0 + GAP
+    solved = CircularStartUp(*radii, FLUID, inner, outer, before if any(wall.speed for wall in before) else None)
+    expected = CircularCouette(*radii, NU, inner, outer)
+    for name in ("velocity", "shear_rate"):
+        places = radii[0] + PLACES_IN_GAP[:, None], TIMES[None]
+        assert_close(getattr(solved, name)(*places), getattr(expected, name)(*places))
+    for time in TIMES[2:]:
+        pressures = [flow.pressure(radii[0] + PLACES_IN_GAP, time, density=1.3) for flow in (solved, expected)]
+        assert_close(*pressures)
+
+
+def test_cylinders_that_oscillate_in_their_periodic_state():
+    walls, radii = CYLINDERS[-1], (1.0, 1.0 + GAP)
+    solved, expected = CircularStartUp(*radii, FLUID, *walls, walls), CircularCouette(*radii, NU, *walls)
+    for name in ("velocity", "shear_rate"):
+        places = radii[0] + PLACES_IN_GAP[:, None], TIMES[None]
+        assert_close(getattr(solved, name)(*places), getattr(expected, f"settled_{name}")(*places))
+
+
+def test_only_a_newtonian_fluid_starts_from_a_periodic_state():
+    from tisph.rheology.oldroyd_b import Parameters
+
+    laws = Parameters(type="oldroyd_b", relaxation_time=1.0, solvent_fraction=0.5).laws(NU)
+    flow = Flow(GAP, Wall(), OSCILLATIONS[0])
+    with pytest.raises(ValueError, match="Newtonian"):
+        StartUp(ViscoelasticFluid(0.5 * NU, laws), flow, flow)
+
+
+OFF_WALL = np.linspace(0.1, 1.0, 10)
+SMOOTH = 1e-9
+"""That the module promises a wall without a jump, relative to the largest value; the series have more digits."""
+
+
+def newtonian(plate):
+    law = registry.load("rheology", "newtonian").Law(1.0)
+    return StartUp(InelasticFluid(law, 1.0), Flow(1.0, top=plate))
+
+
+def creep(y, t):
+    """Velocity under the stress 1 from t = 0 on: y less the even modes of a wall at rest and a free one."""
+    k = (np.arange(400)[:, None] + 0.5) * np.pi
+    return y - np.sum(2.0 * (-1.0) ** np.arange(400)[:, None] / k**2 * np.sin(k * y) * np.exp(-k * k * t), axis=0)
+
+
+def test_a_massless_wall_and_a_newtonian_fluid():
+    found = newtonian(StressControlledWall(1.0))
+    for t in (1e-3, 0.1, 1.0):
+        assert np.max(np.abs(found.velocity(OFF_WALL, t) - creep(OFF_WALL, t))) < SMOOTH * creep(1.0, t)
+        assert found.shear_stress(1.0, t) == pytest.approx(1.0, abs=SMOOTH)
+
+
+def test_stress_is_taken_away_again():
+    found = newtonian(StressControlledWall(0.0, steps=((0.0, 1.0), (0.5, 0.0))))
+    for t in (0.51, 1.0):
+        expected = creep(OFF_WALL, t) - creep(OFF_WALL, t - 0.5)
+        assert np.max(np.abs(found.velocity(OFF_WALL, t) - expected)) < SMOOTH * expected.max()
+
+
+@pytest.mark.parametrize("mass", [0.0, 1.0])
+def test_a_stress_controlled_wall_on_an_oldroyd_b_fluid(mass):
+    # Laplace transform of the linear problem, inverted by Talbot's contour: 1e-13 before the waves of a cycle add up
+    fraction, t = 0.1, 0.1
+    member = registry.load("rheology", "oldroyd_b")
+    laws = member.Parameters(relaxation_time=1.0, solvent_fraction=fraction).laws(1.0)
+    found = StartUp(ViscoelasticFluid(fraction, laws), Flow(1.0, top=StressControlledWall(1.0, mass_per_area=mass)))
+
+    def transform(p):
+        nu = fraction + (1.0 - fraction) / (1.0 + p)
+        q = np.sqrt(p / nu)
+        return np.sinh(q) / (p * (mass * p * np.sinh(q) + nu * q * np.cosh(q)))
+
+    terms = 24
+    angle = np.arange(1, terms) * np.pi / terms
+    cotangent = 1.0 / np.tan(angle)
+    delta = 0.4 * terms * np.concatenate([[1.0], angle * (cotangent + 1j)])
+    weight = np.exp(delta) * np.concatenate([[0.5], 1.0 + 1j * angle * (1.0 + cotangent**2) - 1j * cotangent])
+    expected = 0.4 / t * np.sum((weight * transform(delta / t)).real)
+    assert found.velocity(1.0, t) == pytest.approx(expected, rel=SMOOTH)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 import tisph
 from tisph import runtime
 from tisph.runtime import ti, unrolled
+from tisph.simulation.state import useful_threads
 
 pytestmark = pytest.mark.taichi
 
@@ -352,3 +354,26 @@ def test_results_are_bitwise_the_same_with_taichi_as_it_is(folders_by_version, r
         replaced, own = (arrays(root / config / "samples.h5") for root in folders_by_version)
         assert replaced.keys() == own.keys()
         assert all(np.array_equal(replaced[name], own[name]) for name in replaced)
+
+
+def threads(scheme, parallel, particles, asked="auto"):
+    config = SimpleNamespace(
+        runtime=SimpleNamespace(threads=asked), scheme=SimpleNamespace(type=scheme), parallel=parallel
+    )
+    return useful_threads(config, SimpleNamespace(particles=particles))
+
+
+@pytest.mark.parametrize(
+    ("scheme", "parallel", "particles", "expected"),
+    [
+        ("auto", False, 625, 1),  # a cavity, 25 across: two threads took 1.3 to 2 times as long
+        ("implicit", False, 2500, 2),
+        ("wcsph", False, 625, 2),
+        ("auto", True, 625, 2),
+        ("auto", True, 500, 1),
+    ],
+)
+def test_a_second_thread_has_enough_particles(monkeypatch, scheme, parallel, particles, expected):
+    monkeypatch.setattr(runtime, "available_threads", lambda: 8)
+    assert min(2, threads(scheme, parallel, particles)) == expected
+    assert threads(scheme, parallel, particles, asked=3) == 3

@@ -1,4 +1,4 @@
-"""Faults from outside: whatever ends a run, its folder can be read, and what was written before is still there."""
+"""Faults and interrupts: whatever ends a run, its folder can be read, and what was written is still there."""
 
 import contextlib
 import json
@@ -18,10 +18,13 @@ import pytest
 from faults_case import CASE, END, require_readable
 
 from tisph import config, simulation
+from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers._storage import Storage
 from tisph.observers.history import read_history
-from tisph.observers.samples import read_frames, read_samples
+from tisph.observers.samples import Samples, read_frames, read_samples
+from tisph.report.drawing_process import DrawingProcess
+from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot
 
 pytestmark = [pytest.mark.taichi, pytest.mark.skipif(os.name == "nt", reason="sends signals")]
@@ -242,3 +245,59 @@ def test_an_interrupt_ends_the_coarser_runs_of_an_estimate(start, folder):
     assert not (coarser.root / ".lock").exists()  # no process is left that would hold it
     assert sorted(path.name for path in folder.root.iterdir()) == ["coarser"]
     assert f"partial results are in {folder.root.name}; the same command with --overwrite begins again" in said
+
+
+@pytest.fixture
+def interrupted_folder(tmp_path):
+    (tmp_path / "small.yaml").write_text(CASE)
+    return Folder(tmp_path / "out")
+
+
+def test_a_second_interrupt_waits_for_the_checkpoint_and_the_summary(interrupted_folder, tmp_path, monkeypatch):
+    save = checkpoint.save
+
+    def interrupted_save(*arguments):
+        signal.raise_signal(signal.SIGINT)  # first that of the config, then that of the interrupt
+        save(*arguments)
+
+    monkeypatch.setattr(checkpoint, "save", interrupted_save)
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(config.load(tmp_path / "small.yaml"), interrupted_folder.root)
+    assert json.loads(interrupted_folder.summary.read_text())["status"] == "interrupted"
+    assert not interrupted_folder.profiles_picture.exists()  # it has no time for what render can make
+
+
+@pytest.mark.usefixtures("hang_up_heard")
+def test_a_hang_up_leaves_results_and_a_checkpoint(interrupted_folder, tmp_path, monkeypatch):
+    observe = Samples.observe
+
+    def hung_up(self, snapshot):
+        signal.raise_signal(signal.SIGHUP)
+        observe(self, snapshot)
+
+    monkeypatch.setattr(Samples, "observe", hung_up)
+    settings = config.load(tmp_path / "small.yaml", ["output.video=null", "time={end: 0.02, samples: [0.01, 0.02]}"])
+    with pytest.raises(KeyboardInterrupt):
+        simulation.run(settings, interrupted_folder.root)
+    assert json.loads(interrupted_folder.summary.read_text())["status"] == "interrupted"
+    assert interrupted_folder.checkpoint.exists()
+    assert require_readable(interrupted_folder)[0] == 1
+
+
+def test_a_failed_picture_is_reported_once_and_loses_no_other_result(interrupted_folder, tmp_path, monkeypatch):
+    gone = DrawingProcess()
+    gone._process.kill()
+    monkeypatch.setattr("tisph.simulation.recording.shared", lambda: gone)
+    with pytest.raises(TisphError, match="the process that draws has ended"):
+        simulation.run(config.load(tmp_path / "small.yaml"), interrupted_folder.root)
+    assert json.loads(interrupted_folder.summary.read_text())["status"] == "done"
+    assert require_readable(interrupted_folder) == (20, 40, 401)
+    assert not interrupted_folder.profiles_picture.exists()
+
+
+def test_an_interrupt_while_python_clears_up_is_not_heard():
+    # what is registered first is called last
+    program = "import atexit, signal; atexit.register(signal.raise_signal, signal.SIGINT); import tisph.cli as cli; "
+    done = subprocess.run([sys.executable, "-c", program + "cli.main()", "list"], capture_output=True, text=True)
+    assert done.returncode == 0
+    assert done.stderr == ""

@@ -1,4 +1,4 @@
-"""Weights of steps of any length, and how long steps are."""
+"""Parts of the two-dimensional scheme: weights and lengths of steps, scatter of loads, curvature of walls."""
 
 import math
 from pathlib import Path
@@ -7,12 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tisph import scenes
 from tisph.cli.check import estimates
 from tisph.config import load
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.polygon import Polygon
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 from tisph.schemes._two_dimensional import BETWEEN_WALLS, COST, OVERHEAD, STARTED, _guessed_steps
 from tisph.schemes._two_dimensional.step_limits import FIRST
 from tisph.schemes._two_dimensional.time_levels import TimeWeights
+from tisph.schemes._two_dimensional.wall_boundary import scatter
+from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
 NOW = 1.7
@@ -113,3 +119,68 @@ def test_a_particle_between_walls_is_stated_to_cost_more(flow, tmp_path):
     )
     found, (particles, factor) = estimates(load(tmp_path / "case.yaml")), FLOWS[flow]
     assert found["run_time"] == pytest.approx(found["steps"] * (OVERHEAD + particles * factor * COST), rel=1e-14)
+
+
+def test_a_cubic_force_over_uneven_steps_has_no_scatter():
+    times = np.array([2.0, 1.7, 1.5, 1.1, 0.4, 0.3])
+    forces = np.stack([1.0 + times - 0.3 * times**3, 0.0 * times], axis=1)[:, None]
+    assert scatter(times, forces)[0] < 1e-14  # rounding, a few times 1e-16
+
+
+def test_random_forces_have_the_scatter_they_were_made_with():
+    # of 8 differences in each of 400 windows: the mean square is known to 1 / sqrt(1600), its root to half of that
+    noise = np.random.default_rng(0).normal(scale=0.01, size=(400, 12, 2, 2)) * [[0.1], [1.0]]
+    forces = np.array([[2.0, 0.0], [1.0, 0.0]]) + noise
+    found = [scatter(np.linspace(1.0, 0.0, 12), each) for each in forces]
+    assert {number for _, number in found} == {1}
+    measured = np.sqrt(np.mean([value**2 for value, _ in found]))
+    # over the larger force, 2; both components count
+    assert measured == pytest.approx(0.01 * np.sqrt(2.0) / 2.0, rel=0.05)
+
+
+def test_few_steps_or_no_force_have_no_scatter():
+    times = np.arange(4.0)[::-1]
+    assert scatter(times, np.ones((4, 1, 2))) is None
+    assert scatter(np.arange(6.0)[::-1], np.zeros((6, 1, 2))) is None
+
+
+def test_operators_use_polar_coordinates_near_curved_walls_only():
+    """Of particles 0.2 from walls of radius 1, from outside and inside, from a flat one, and too far from one."""
+    normal = np.array([[0.6, 0.8], [0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
+    planes = np.column_stack([normal, np.zeros(4)])[:, None]
+    distances, curvatures = np.array([0.2, 0.2, 0.2, 1.0])[:, None], np.array([1.0, -1.0, 0.0, 1.0])[:, None]
+    found = WallPoints.polar_map(SimpleNamespace(spacing=0.1), None, planes, distances, curvatures)
+    assert found == pytest.approx(np.array([[0.6 / 1.2, -0.8 / 1.2], [0.0, 1.0 / 0.8], [0.0, 0.0], [0.0, 0.0]]))
+
+
+def curvatures_along(shape, spacing):
+    """Those that operators use along a line half a spacing off the wall of a body across the edge of a cell."""
+    body = Body(shape, (0.05, 2.0), angle=0.3, periods=(4.0, np.inf))
+    boundary = body.boundary_points(0.05 * spacing)
+    points = boundary.point + 0.5 * spacing * boundary.normal
+    return WallPoints([body], spacing, (0.0, 0.0)).nearest_walls(points % [4.0, 9.0], 0.0)[2][:, 0]
+
+
+def test_curvature_varies_continuously_where_corners_begin():
+    """By a part of its window at most every twentieth of a spacing; its jump would be one of the operators."""
+    square = Polygon(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), 0.4)
+    found = curvatures_along(square, 0.1)
+    assert np.abs(np.diff(found)).max() < 0.06 * 2.5
+    assert found.max() == pytest.approx(2.5, rel=0.05)
+    assert found.min() == 0.0
+
+
+def test_curvature_of_a_circle_is_that_of_its_radius():
+    assert curvatures_along(Circle(0.4), 0.1) == pytest.approx(2.5, rel=1e-12)
+
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.mark.parametrize(
+    ("config", "across"),
+    [("pipe", False), ("taylor_vortices", False), ("spin_up", False), ("sphere_in_tube", True), ("rotating_end", True)],
+)
+def test_flow_along_spheres_and_plates_goes_to_the_axis(config, across):
+    scene = scenes.of(load(CONFIGS / f"{config}.yaml"))
+    assert WallsOfRevolution(scene.bodies, scene.spacing, scene.origin).across_axis == across

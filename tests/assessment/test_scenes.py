@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inside import Description
 from typer.testing import CliRunner
 
 import tisph
@@ -16,7 +17,6 @@ from tisph.assessment import judge, report
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.measures.metrics import sample_metrics
-from tisph.observers._storage import Description
 from tisph.observers.samples import Samples
 from tisph.results.export import FORMATS, export
 from tisph.snapshot import Bodies, Snapshot

@@ -9,6 +9,7 @@ from pathlib import Path
 import estimates as study
 import pytest
 from fake_runs import FakeRuns, make_result
+from inside import MOST_STEPS, SampleEstimate, off_layers, time_step_limits
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
@@ -18,9 +19,6 @@ from tisph.config import load
 from tisph.equation_of_state import Tait, sound_speed
 from tisph.errors import ConfigError
 from tisph.schemes import resolve
-from tisph.schemes._estimate import MOST_STEPS, off_layers
-from tisph.schemes._protocol import SampleEstimate
-from tisph.schemes._time_step import time_step_limits
 from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies.stability import Cell, flow_of

@@ -8,6 +8,7 @@ import types
 from pathlib import Path
 
 import pytest
+from inside import step_counts
 from typer.testing import CliRunner
 
 import tisph
@@ -16,7 +17,6 @@ from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
-from tisph.schemes._estimate import step_counts
 
 ROOT = Path(tisph.__file__).parents[1]
 

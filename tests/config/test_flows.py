@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inside import two_dimensional as _two_dimensional
 
 from tisph import registry, schemes
 from tisph.config import load
 from tisph.config.checks import REALS, estimated_bytes
 from tisph.errors import ConfigError
-from tisph.schemes import _two_dimensional
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from oracles import oldroyd_b, oscillating_wall, poiseuille, scheduled_wall
 from oracles.circular_couette import CircularCouette
+from oracles.plane import Plane
 from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -36,10 +36,6 @@ def apart(found, expected):
     return np.max(np.abs(found - expected)) / np.max(np.abs(expected))
 
 
-def closed(flow):
-    return oldroyd_b.Flow(flow.gap, flow.bottom.speed, flow.top.speed, flow.acceleration)
-
-
 @pytest.mark.parametrize(
     ("flow", "before", "fraction", "relaxation_time"),
     [
@@ -49,18 +45,25 @@ def closed(flow):
 )
 def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
     found = StartUp(liquid("oldroyd_b", fraction, relaxation_time), flow, before)
-    numbers = {
-        "fluid": oldroyd_b.Fluid(1.0, fraction, 1.0 - fraction, relaxation_time),
-        "flow": closed(flow),
-        "before": before and closed(before),
-    }
+    plane, old = Plane(1.0, 1.0, fraction, relaxation_time), before or Flow(1.0)
+    walls = flow.bottom.speed - old.bottom.speed, flow.top.speed - old.top.speed
+    slope = old.top.speed - old.bottom.speed + old.acceleration * (0.5 - HEIGHTS)
+    developed = old.bottom.speed + (old.top.speed - old.bottom.speed) * HEIGHTS
+    developed = developed + old.acceleration * HEIGHTS * (1.0 - HEIGHTS) / 2.0
+
+    def fields(time):
+        """Linear in what changes: the developed flow before and the start of the difference."""
+        start = plane.fields(HEIGHTS, time, *walls, flow.acceleration - old.acceleration)
+        return start + [developed, slope, (1.0 - fraction) * slope]
+
     for t in np.array([1e-5, 1e-3, 0.1, 1.0]) / fraction:
         xx, xy, yy = found.polymer_stress(HEIGHTS, t)
-        assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
-        assert apart(xy, oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < ACCURACY
-        assert apart(xx, oldroyd_b.normal_stress(HEIGHTS, t, **numbers)) < 2 * ACCURACY
+        velocity, rate, shear = fields(t)
+        assert apart(found.velocity(HEIGHTS, t), velocity) < ACCURACY
+        assert apart(xy, shear) < ACCURACY
+        assert apart(xx, plane.normal_stress(HEIGHTS, t, fields, slope)) < 2 * ACCURACY
         # a slope: the accuracy times the number of times that the layer fits into the gap, 100 at most from here on
-        assert apart(found.shear_rate(HEIGHTS, t), oldroyd_b.shear_rate(HEIGHTS, t, **numbers)) < 10 * ACCURACY
+        assert apart(found.shear_rate(HEIGHTS, t), rate) < 10 * ACCURACY
         assert not np.any(yy)
 
 
@@ -147,12 +150,11 @@ def test_another_order_changes_nothing():
 
 def test_a_small_strain_meets_linear_theory():
     # what bends is of the order of the squared Weissenberg number of the layer: (1e-5)^2 times 1/(its depth)^2, 1e3
-    speed = 1e-5
-    found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(speed)))
-    numbers = {"fluid": oldroyd_b.Fluid(1.0, 0.1, 0.9, 1.0), "flow": oldroyd_b.Flow(1.0, top=speed)}
+    found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(1e-5)))
     for t in (0.01, 0.1):
-        assert apart(found.velocity(HEIGHTS, t), oldroyd_b.velocity(HEIGHTS, t, **numbers)) < ACCURACY
-        assert apart(found.polymer_stress(HEIGHTS, t)[1], oldroyd_b.shear_stress(HEIGHTS, t, **numbers)) < 1e-6
+        velocity, _, shear = Plane(1.0, 1.0, 0.1, 1.0).fields(HEIGHTS, t, top=1e-5)
+        assert apart(found.velocity(HEIGHTS, t), velocity) < ACCURACY
+        assert apart(found.polymer_stress(HEIGHTS, t)[1], shear) < 1e-6
 
 
 def test_two_equal_modes_are_one():
@@ -242,8 +244,7 @@ def test_walls_that_swing(now):
     wall = Swinging()
     found = StartUp(now, Flow(1.0, top=wall))
     for t in (1e-3, 0.1):
-        expected = oscillating_wall.velocity(HEIGHTS, t, gap=1.0, kinematic_viscosity=1.0, wall=wall)
-        assert apart(found.velocity(HEIGHTS, t), expected) < ACCURACY
+        assert apart(found.velocity(HEIGHTS, t), Plane(1.0, 1.0).fields(HEIGHTS, t, top=wall)[0]) < ACCURACY
 
 
 def test_what_was_asked_before_changes_nothing():
@@ -282,54 +283,40 @@ def assert_close(found, expected, bound=1e-8):
     assert (difference.max(axis=0) <= bound * largest).all()
 
 
-def compare(solved, velocity, shear_rate, times=TIMES):
-    places = PLACES_IN_GAP[:, None], times[None]
-    assert_close(solved.velocity(*places), velocity(*places))
-    assert_close(solved.shear_rate(*places), shear_rate(*places))
+PLANE = Plane(GAP, NU)
 
 
-def closed_form(module, **numbers):
-    def bound(name):
-        return lambda y, t: getattr(module, name)(y, t, **SETTING, **numbers)
-
-    return bound("velocity"), bound("shear_rate")
+def compare(solved, expected):
+    """Velocity and shear rate at all places and times; ``expected`` of places and a time."""
+    for t in TIMES:
+        velocity, rate = expected(PLACES_IN_GAP, t)[:2]
+        assert_close(solved.velocity(PLACES_IN_GAP, t), velocity)
+        assert_close(solved.shear_rate(PLACES_IN_GAP, t), rate)
 
 
 def test_couette_is_its_layer_to_the_last_bit():
-    solved = StartUp(FLUID, Flow(GAP, Wall(-0.4), Wall(1.0)))
-    assert (
-        solved.velocity(PLACES_IN_GAP, 0.1) == couette.velocity(PLACES_IN_GAP, 0.1, **SETTING, bottom=-0.4, top=1.0)
-    ).all()
-    compare(solved, *closed_form(couette, bottom=-0.4, top=1.0))
+    solved, walls = StartUp(FLUID, Flow(GAP, Wall(-0.4), Wall(1.0))), {"bottom": -0.4, "top": 1.0}
+    assert (solved.velocity(PLACES_IN_GAP, 0.1) == couette.velocity(PLACES_IN_GAP, 0.1, **SETTING, **walls)).all()
+    compare(solved, lambda y, t: [part(y, t, **SETTING, **walls) for part in (couette.velocity, couette.shear_rate)])
+    compare(solved, lambda y, t: PLANE.fields(y, t, **walls))
 
 
-def test_poiseuille_from_rest():
-    compare(StartUp(FLUID, Flow(GAP, acceleration=2.0)), *closed_form(poiseuille, acceleration=2.0))
-
-
-def test_poiseuille_developed_stays():
+def test_poiseuille_from_rest_and_developed():
     flow = Flow(GAP, acceleration=2.0)
-    expected = poiseuille.developed_velocity(PLACES_IN_GAP, **SETTING, acceleration=2.0)
-    assert_close(StartUp(FLUID, flow, flow).velocity(PLACES_IN_GAP, TIMES[-1]), expected)
+    compare(StartUp(FLUID, flow), lambda y, t: PLANE.fields(y, t, acceleration=2.0))
+    parabola = PLACES_IN_GAP * (GAP - PLACES_IN_GAP) / NU
+    assert_close(StartUp(FLUID, flow, flow).velocity(PLACES_IN_GAP, TIMES[-1]), parabola)
 
 
 @pytest.mark.parametrize("wall", OSCILLATIONS, ids=str)
-def test_oscillating_wall_from_rest(wall):
-    compare(StartUp(FLUID, Flow(GAP, Wall(), wall)), *closed_form(oscillating_wall, wall=wall))
-
-
-@pytest.mark.parametrize("wall", OSCILLATIONS, ids=str)
-def test_oscillating_wall_in_its_periodic_state(wall):
+def test_oscillating_wall_from_rest_and_in_its_periodic_state(wall):
     flow = Flow(GAP, Wall(), wall)
-    periodic = [
-        lambda y, t, form=form: form(y, t, **SETTING, wall=wall)
-        for form in (oscillating_wall.periodic_velocity, oscillating_wall.periodic_shear_rate)
-    ]
-    compare(StartUp(FLUID, flow, flow), *periodic)
+    compare(StartUp(FLUID, flow), lambda y, t: PLANE.fields(y, t, top=wall))
+    compare(StartUp(FLUID, flow, flow), lambda y, t: PLANE.periodic(y, t, wall))
 
 
 def test_scheduled_wall():
-    compare(StartUp(FLUID, Flow(GAP, Wall(), RAMPS)), *closed_form(scheduled_wall, breakpoints=RAMPS.breakpoints))
+    compare(StartUp(FLUID, Flow(GAP, Wall(), RAMPS)), lambda y, t: PLANE.scheduled(y, t, RAMPS.breakpoints))
 
 
 CYLINDERS = [

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inside import message_error as _error
+from inside import typed
 
 import tisph
 from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.interface.running import _error
-from tisph.results._summary import typed
 
-MOST_LINES, MOST_COLUMNS = 260, 200
+MOST_LINES = 260
 """Of ``help(tisph)``: two screens of 65 lines."""
 
 

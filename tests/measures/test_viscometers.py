@@ -5,6 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from inside import SUSPENSION_STRESS_BODIES as BODIES
+from inside import SUSPENSION_STRESS_CONTACTS as CONTACTS
+from inside import SUSPENSION_STRESS_WALLS as WALLS
+from inside import Contact
+from inside import suspension_columns as columns
+from inside import suspension_stresses as stresses
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
@@ -15,8 +21,6 @@ from tisph.measures.rheometry import read
 from tisph.measures.viscometers import batch_means, rabinowitsch, read_viscometer, wall_factor
 from tisph.report import plots as report
 from tisph.scenes import of
-from tisph.scenes._suspension_stress import BODIES, CONTACTS, WALLS, columns, stresses
-from tisph.schemes._two_dimensional.free_bodies import Contact
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

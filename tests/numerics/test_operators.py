@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
+from inside import WeightTable
 from rates import LINEAR_EOS, RatesOf, impose
 
 from tisph import registry, runtime
-from tisph.operators._pairs import WeightTable
 from tisph.operators.consistent import DIFFUSION
 from tisph.runtime import ti
 

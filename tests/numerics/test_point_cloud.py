@@ -5,12 +5,12 @@ import functools
 
 import numpy as np
 import pytest
+from inside import PeriodicProblem
 
 from tisph import runtime
 from tisph.neighbours.point_cloud import CELLS_WITHIN, LANES, PointCloud, active
 from tisph.periodic import PeriodicDomain
 from tisph.runtime import view
-from tisph.schemes._two_dimensional import PeriodicProblem
 
 pytestmark = pytest.mark.taichi
 

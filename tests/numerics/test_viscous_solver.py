@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW, run
+from inside import channel_operators as _operators
 
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import real, ti, view
-from tisph.schemes._channel import operators as _operators
 from tisph.simulation import checkpoint
 from tisph.solvers.auxiliary_grid import DirichletGrid
 

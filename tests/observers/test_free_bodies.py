@@ -7,6 +7,11 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from inside import Contact, Description
+from inside import Trajectories as Read
+from inside import overlays as _overlays
+from inside import steady as _steady
+from inside import suspension_stress as _suspension_stress
 
 from tisph import scenes
 from tisph.cli.check import described, forecast
@@ -14,17 +19,11 @@ from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
 from tisph.observers import history as histories
-from tisph.observers._storage import Description
 from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
 from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
-from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
-from tisph.results._results import Trajectories as Read
-from tisph.scenes import _suspension_stress
-from tisph.schemes._two_dimensional.free_bodies import Contact
-from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

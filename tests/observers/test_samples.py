@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
+from inside import Description, write_snapshot
 from report_scene import make_snapshot
 
 from tisph import __version__
 from tisph.config import load
-from tisph.observers._storage import Description, write_snapshot
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Frames, Samples, read_frames, read_samples
 from tisph.scenes.channel import Channel

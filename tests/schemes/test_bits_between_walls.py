@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from inside import wall_points
 
 from tisph import config, registry, runtime, scenes
 from tisph.least_squares import operators
-from tisph.schemes._two_dimensional import wall_points
 from tisph.simulation.state import start_values
 
 ANNULUS = """

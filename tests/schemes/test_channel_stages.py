@@ -4,11 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from inside import GAMMA, CoupledWall, PrescribedWall
+from inside import channel_stages as stages
 
 from tisph.geometry.motion import WallMotion
-from tisph.schemes._channel import stages
-from tisph.schemes._channel.stages import GAMMA
-from tisph.schemes._channel.walls import CoupledWall, PrescribedWall
 
 A, B, C, B_HAT = (np.array(numbers) for numbers in (stages.A, stages.B, stages.C, stages.B_HAT))
 

@@ -7,10 +7,11 @@ import math
 
 import numpy as np
 import pytest
+from inside import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, profile_lost
+from inside import estimate_least_squares as least_squares
 
 from tisph import scenes
 from tisph.cli.check import estimates
-from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, least_squares, profile_lost
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 COARSE = "discretisation.particles_across=25"

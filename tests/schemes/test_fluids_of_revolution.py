@@ -5,14 +5,13 @@ from dataclasses import replace
 import case_from_text
 import numpy as np
 import pytest
+from inside import SMALL, SplittingScheme
+from inside import axisymmetric as _axisymmetric
+from inside import two_dimensional as _two_dimensional
 
 from tisph.measures.resolution import LARGEST_ADDED_POWER, resolution
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
-from tisph.scenes import _axisymmetric
-from tisph.schemes import _two_dimensional
-from tisph.schemes._local_newton import SMALL
-from tisph.schemes._two_dimensional.scheme import SplittingScheme
 from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 

@@ -6,11 +6,10 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case
+from inside import PeriodicProblem, SplittingScheme
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
-from tisph.schemes._two_dimensional import PeriodicProblem
-from tisph.schemes._two_dimensional.scheme import SplittingScheme
 
 pytestmark = pytest.mark.taichi
 

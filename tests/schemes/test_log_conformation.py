@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from inside import SMALL, eliminate, log_conformation, matrix
 from scipy.linalg import expm, expm_frechet
 
 from tisph import registry
-from tisph.schemes._local_newton import SMALL, eliminate, matrix
-from tisph.schemes._two_dimensional.log_conformation import conformation_excess, logarithm, rate
 
+conformation_excess = log_conformation.conformation_excess
+logarithm = log_conformation.logarithm
+rate = log_conformation.rate
 LAWS = {
     "oldroyd_b": {},
     "giesekus": {"mobility": 0.3},

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from inside import SMALL, log_conformation_with_swirl, matrix
 from polymer_laws import KINDS, TIME, law
 from scipy.linalg import expm, expm_frechet
 
-from tisph.schemes._local_newton import SMALL, matrix
-from tisph.schemes._two_dimensional.log_conformation_with_swirl import PLACES, conformation_excess, logarithm, rate
-
+conformation_excess = log_conformation_with_swirl.conformation_excess
+logarithm = log_conformation_with_swirl.logarithm
+rate = log_conformation_with_swirl.rate
+PLACES = log_conformation_with_swirl.PLACES
 SIZES = 0.0, 1e-4, 0.02, 0.5, 2.0
 """Of P: both sides of where series give way to functions, differences of 1e-3."""
 

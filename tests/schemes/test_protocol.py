@@ -4,10 +4,10 @@ import inspect
 from pathlib import Path
 
 import pytest
+from inside import ProbedScheme, Scheme
 
 from tisph import runtime, scenes, schemes
 from tisph.config import load
-from tisph.schemes._protocol import ProbedScheme, Scheme
 
 pytestmark = pytest.mark.taichi
 

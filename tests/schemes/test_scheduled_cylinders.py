@@ -3,6 +3,7 @@
 import annulus_case as case
 import numpy as np
 import pytest
+from inside import SplittingScheme
 
 from tisph import config, registry, runtime, schemes
 from tisph.cli.check import estimates
@@ -10,7 +11,6 @@ from tisph.errors import ConfigError
 from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
-from tisph.schemes._two_dimensional.scheme import SplittingScheme
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi

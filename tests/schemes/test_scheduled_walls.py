@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from implicit_case import channel_of, layers, run, start_of_layers
-from oracles import oldroyd_b
+from inside import FlowState, MasslessWall, PrescribedWall
+from inside import wall_slope as _slope
+from oracles.plane import Plane
 
 from tisph import registry, runtime
-from tisph.measures.channel import _slope
-from tisph.schemes._channel.stages import FlowState
-from tisph.schemes._channel.stress_controlled import MasslessWall
-from tisph.schemes._channel.walls import PrescribedWall
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi
@@ -68,15 +66,14 @@ def layers_of(case, *overrides):
 
 
 def test_an_impulse_changes_the_stress_with_the_velocity(case):
-    found, channel = layers_of(case, OLDROYD_B)
+    found, _ = layers_of(case, OLDROYD_B)
     # linear in velocity and shear stress: a wall that stops is the difference of two that start
-    fluid = oldroyd_b.Fluid(density=2.0, solvent_viscosity=0.2, polymer_viscosity=0.8, relaxation_time=1.0)
-    numbers = {"fluid": fluid, "flow": oldroyd_b.Flow(1.0, 0.0, 1.0, 0.0), "before": None}
-    stress = channel.density * found.stages.model.shear_stress(found.flow.state, None)
-    for mine, profile in ((found.velocity, oldroyd_b.velocity), (stress, oldroyd_b.shear_stress)):
-        since_start, since_stop = (profile(found.heights, t, **numbers) for t in (0.3, 0.1))
-        wrong = np.linalg.norm(mine - (since_start - since_stop))
-        assert wrong < 1e-2 * np.linalg.norm(since_start)  # of 12 layers; measured: 2.7e-3, 6.4e-3
+    plane = Plane(1.0, 0.5, 0.2, 1.0)
+    since_start, since_stop = (plane.fields(found.heights, t, top=1.0) for t in (0.3, 0.1))
+    stress = found.stages.model.shear_stress(found.flow.state, None)
+    for mine, part in ((found.velocity, 0), (stress, 2)):
+        wrong = np.linalg.norm(mine - (since_start - since_stop)[part])
+        assert wrong < 1e-2 * np.linalg.norm(since_start[part])  # of 12 layers; measured: 2.7e-3, 6.4e-3
 
 
 def test_the_error_of_a_step_is_the_filtered_embedded_error(case):

@@ -6,8 +6,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from tisph.schemes._step_control import (
+from inside import (
     LARGEST_FACTOR,
     LARGEST_MULTISTEP_FACTOR,
     MOST_ATTEMPTS,

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from inside import SCATTER, VELOCITIES, SingularPaths, step_limits
+from inside import two_dimensional_scheme as splitting_scheme
 from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
 from tisph import runtime
@@ -14,11 +16,6 @@ from tisph.exact.sliding_corner import DEGREE
 from tisph.least_squares import operators
 from tisph.neighbours.point_cloud import active
 from tisph.runtime import ti, view
-from tisph.schemes._shifting import SCATTER
-from tisph.schemes._two_dimensional import scheme as splitting_scheme
-from tisph.schemes._two_dimensional import step_limits
-from tisph.schemes._two_dimensional.corner_singularities import SingularPaths
-from tisph.schemes._two_dimensional.time_levels import VELOCITIES
 
 pytestmark = pytest.mark.taichi
 

@@ -6,6 +6,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from inside import (
+    BETWEEN_WALLS,
+    COST,
+    FIRST,
+    LARGEST_MULTISTEP_FACTOR,
+    OVERHEAD,
+    STARTED,
+    TimeWeights,
+    WallPoints,
+    WallsOfRevolution,
+    scatter,
+)
+from inside import guessed_steps as _guessed_steps
 
 from tisph import scenes
 from tisph.cli.check import estimates
@@ -13,12 +26,6 @@ from tisph.config import load
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.polygon import Polygon
-from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
-from tisph.schemes._two_dimensional import BETWEEN_WALLS, COST, OVERHEAD, STARTED, _guessed_steps
-from tisph.schemes._two_dimensional.step_limits import FIRST
-from tisph.schemes._two_dimensional.time_levels import TimeWeights
-from tisph.schemes._two_dimensional.wall_boundary import scatter
-from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
 NOW = 1.7

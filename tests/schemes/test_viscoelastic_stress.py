@@ -8,6 +8,7 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case as vortices
+from inside import PeriodicProblem, SplittingScheme, WallPoints, viscoelastic_stress
 from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm, logm
@@ -22,9 +23,6 @@ from tisph.neighbours.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes.annulus import cartesian
-from tisph.schemes._two_dimensional import PeriodicProblem, viscoelastic_stress
-from tisph.schemes._two_dimensional.scheme import SplittingScheme
-from tisph.schemes._two_dimensional.wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from inside import RADIUS, layers_in
 from same_bits import check_resuming, check_threads, state
 
 from tisph import config, registry, runtime, scenes
@@ -11,8 +12,6 @@ from tisph.geometry.circle import Circle
 from tisph.measures.metrics import field_error, relative_error, sample_metrics
 from tisph.runtime import view
 from tisph.simulation.state import start_values
-from tisph.walls._dummies import layers_in
-from tisph.walls._virtual_image import RADIUS
 
 pytestmark = pytest.mark.taichi
 

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from inside import COURANT, BoundedProblem, SplittingScheme, WallPoints
 
 from tisph import runtime
 from tisph.geometry.body import Body
@@ -10,9 +11,6 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
-from tisph.schemes._two_dimensional import BoundedProblem
-from tisph.schemes._two_dimensional.scheme import COURANT, SplittingScheme
-from tisph.schemes._two_dimensional.wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
 VISCOSITY = 0.02

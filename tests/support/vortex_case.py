@@ -1,13 +1,11 @@
 """The Taylor-Green vortex in a periodic box, for tests of the scheme that has a pressure."""
 
 import numpy as np
+from inside import COURANT, TOLERANCE, PeriodicProblem, SplittingScheme, step_control
 from kept_program import kept
 
 from tisph import runtime
 from tisph.least_squares import operators
-from tisph.schemes._two_dimensional import PeriodicProblem
-from tisph.schemes._two_dimensional.scheme import COURANT, SplittingScheme
-from tisph.schemes._two_dimensional.step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01

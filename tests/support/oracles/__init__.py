@@ -1,1 +1,1 @@
-"""Closed forms of flows that a run takes from ``tisph/exact/start_up.py``: its independent checks."""
+"""Independent solutions of the flows that ``tisph/exact/start_up.py`` solves for every run."""

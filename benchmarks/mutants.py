@@ -32,21 +32,21 @@ MEMORY = 6 << 30
 NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 
 EXPLICIT = ["numerics/test_operators", "walls/test_*", "schemes/test_wcsph_stress", "schemes/test_units"]
-IMPLICIT = ["schemes/test_channel" + name for name in ("_modes", "_accuracy", "_symmetry", "")]
+IMPLICIT = ["schemes/test_channel" + name for name in ("_modes", "_accuracy", "")]
 IMPLICIT += ["schemes/test_shifting"]
 TWO_DIMENSIONAL = ["two_dimensional", "curved_walls", "bodies_in_flow", "corner_singularities"]
 TWO_DIMENSIONAL = ["schemes/test_" + name for name in (*TWO_DIMENSIONAL, "channel_polymer", "viscoelastic_stress")]
 POLYMER = ["schemes/test_channel_polymer", "schemes/test_viscoelastic_stress*"]
 LAYERS = "schemes/test_estimate_layers"
-CHOICE = ["schemes/test_auto", "schemes/test_protocol", "schemes/test_step_plan"]
+CHOICE = ["schemes/test_auto", "schemes/test_protocol", "schemes/test_step_control"]
 WALLS = ["walls/test_walls", "walls/test_wall_treatments"]
 TESTS = {
-    "exact": ["exact/test_*", "scenes/test_channel_flows"],
-    "exact/couette": ["exact/test_couette", "scenes/test_channel_flows"],
-    "exact/_c": ["exact/test_c*", "exact/test_*", "scenes/test_channel_flows"],
-    "exact/linear": ["measures/test_rheometry*", "exact/test_*", "scenes/test_channel_flows"],
+    "exact": ["exact/test_*", "scenes/test_channel"],
+    "exact/couette": ["exact/test_couette", "scenes/test_channel"],
+    "exact/_c": ["exact/test_c*", "exact/test_*", "scenes/test_channel"],
+    "exact/linear": ["measures/test_rheometry*", "exact/test_*", "scenes/test_channel"],
     "exact/sliding": ["exact/test_sliding_corner", "exact/test_cavity"],
-    "exact/uniform_shear": ["measures/test_rheometry_schedules"],
+    "exact/uniform_shear": ["measures/test_rheometry"],
     "measures": ["measures/test_*", "studies/test_checks", "studies/test_walls*", "studies/test_extrapolation"],
     "measures/fits": [
         "measures/test_fits",
@@ -81,78 +81,74 @@ TESTS = {
     "schemes/_local_newton": ["schemes/test_log_conformation", LAYERS, *POLYMER, "rheology/test_laws_in_kernels"],
     "schemes/_momentum": [
         "walls/test_impulse",
-        "schemes/test_channel_symmetry",
+        "schemes/test_channel",
         "walls/test_wall_treatments",
-        "schemes/test_wcsph_box",
+        "schemes/test_wcsph",
     ],
     "schemes/auto": [*CHOICE, "config/test_*"],
     "schemes/_time_step": ["schemes/test_shifting", "cli/test_check", *EXPLICIT],
-    "schemes/wcsph/_bodies": ["schemes/test_wcsph_loads", "schemes/test_wcsph_bodies"],
+    "schemes/wcsph/_bodies": ["schemes/test_wcsph_loads", "schemes/test_wcsph"],
     "schemes/_shifting": ["schemes/test_two_dimensional", *IMPLICIT],
     "schemes/wcsph": [*CHOICE, "schemes/test_wcsph_*", *EXPLICIT],
     "schemes/_estimate": [
         "schemes/test_estimate",
         LAYERS,
         "cli/test_check",
-        "studies/test_stability_cells",
-        "cli/test_estimates",
+        "studies/test_stability",
     ],
     "schemes/_two_dimensional/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
     "schemes/_two_dimensional": [
-        "schemes/test_two_dimensional_steps",
+        "schemes/test_two_dimensional_parts",
         "schemes/test_log_conformation",
         "house/test_layers",
         *TWO_DIMENSIONAL,
     ],
     "schemes/_step_control": [
         "schemes/test_step_control",
-        "schemes/test_step_plan",
-        "schemes/test_two_dimensional_steps",
+        "schemes/test_two_dimensional_parts",
         *IMPLICIT,
     ],
     "schemes/_channel": [
         "schemes/test_channel_stages",
         LAYERS,
         "schemes/test_scheduled_walls",
-        "schemes/test_channel_limits",
         *IMPLICIT,
     ],
     "schemes/_channel/wall_pair": ["walls/test_impulse", LAYERS, *POLYMER, *IMPLICIT],
     "schemes/_channel/models": [*POLYMER, "schemes/test_wcsph_stress", "rheology/test_laws_in_kernels"],
     "schemes/_channel/walls": [
-        "schemes/test_channel_walls",
+        "schemes/test_channel_stages",
         *POLYMER,
         "schemes/test_scheduled_walls",
         *IMPLICIT,
     ],
-    "schemes/_channel/stress_controlled": ["schemes/test_stress_controlled_walls", "schemes/test_scheduled_walls"],
+    "schemes/_channel/stress_controlled": ["schemes/test_scheduled_walls"],
     "schemes/_channel/ghosts": ["numerics/test_viscous_solver", "walls/test_wall_treatments", *IMPLICIT],
     "schemes/_channel/step": [
         "numerics/test_point_cloud",
-        "schemes/test_channel_symmetry",
-        "schemes/test_channel_walls",
+        "schemes/test_channel_stages",
         *IMPLICIT,
     ],
-    "schemes/implicit": ["config/test_*", *CHOICE, "schemes/test_channel_limits"],
+    "schemes/implicit": ["config/test_*", *CHOICE, "schemes/test_channel"],
     "rheology": [
         "rheology/test_laws",
-        "config/test_rheologies",
+        "config/test_flows",
         "rheology/test_laws_in_kernels",
         "schemes/test_wcsph_stress",
     ],
-    "operators": ["numerics/test_weights", *EXPLICIT],
+    "operators": EXPLICIT,
     "walls": [
         *WALLS,
         "walls/test_impulse",
         "schemes/test_wcsph_stress",
-        "schemes/test_channel_symmetry",
+        "schemes/test_channel",
     ],
-    "walls/_circles": ["schemes/test_wcsph_bodies", "walls/test_wall_treatments"],
-    "walls/_dummies": ["schemes/test_wcsph_bodies", "schemes/test_wcsph_box", "walls/test_wall_treatments"],
+    "walls/_circles": ["schemes/test_wcsph", "walls/test_wall_treatments"],
+    "walls/_dummies": ["schemes/test_wcsph", "walls/test_wall_treatments"],
     "walls/_consistent": [
         "walls/test_wall_treatments",
         "schemes/test_wcsph_stress",
-        "schemes/test_channel_symmetry",
+        "schemes/test_channel",
         "schemes/test_channel_accuracy",
     ],
 }

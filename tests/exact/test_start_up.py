@@ -54,7 +54,7 @@ def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
     def fields(time):
         """Linear in what changes: the developed flow before and the start of the difference."""
         start = plane.fields(HEIGHTS, time, *walls, flow.acceleration - old.acceleration)
-        return start + [developed, slope, (1.0 - fraction) * slope]
+        return start + np.stack([developed, slope, (1.0 - fraction) * slope])
 
     for t in np.array([1e-5, 1e-3, 0.1, 1.0]) / fraction:
         xx, xy, yy = found.polymer_stress(HEIGHTS, t)

@@ -174,7 +174,7 @@ def test_a_taichi_program_beside_it_lives_on(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow  # test_interrupted.py and test_faults.py interrupt runs, too
+@pytest.mark.slow  # test_faults.py interrupts runs, too
 @pytest.mark.skipif(os.name == "nt", reason="sends signals")
 def test_ctrl_c_leaves_a_checkpoint_to_go_on_from(tmp_path):
     program = [sys.executable, "-c", ENDLESS, json.dumps(CASE)]

@@ -75,23 +75,6 @@ def test_from_rest_the_exact_solution_is_the_start_up():
     assert not channel.initial_velocity(HEIGHTS[1:-1]).any()
 
 
-def test_an_exact_start_takes_up_the_start_up_at_its_own_time():
-    channel = Channel(**{**WATER, "initial_state": "exact", "start_time": 3.0})
-    started = couette.velocity(HEIGHTS, 3.0, **START_UP)
-    assert np.array_equal(channel.initial_velocity(HEIGHTS), started)
-    assert np.array_equal(channel.exact_velocity(HEIGHTS, 3.0), started)
-
-
-def test_a_developed_flow_stays_linear():
-    channel = Channel(**{**WATER, "initial_state": "developed"})
-    linear = -0.001 + 0.6 * HEIGHTS
-    # two roundings of numbers up to 0.006
-    assert np.allclose(channel.initial_velocity(HEIGHTS), linear, rtol=0, atol=2e-18)
-    assert np.array_equal(channel.exact_velocity(HEIGHTS, 7.0), channel.initial_velocity(HEIGHTS))
-    assert channel.exact_velocity(HEIGHTS[:, None], np.arange(3.0)).shape == (21, 3)
-    assert channel.exact_wall_shear(2.0) == pytest.approx((6e-4, 6e-4), rel=1e-14)
-
-
 def test_wall_shear_is_a_stress_and_late_equal_on_both_walls():
     channel = Channel(**WATER)
     # t* = 4: the slowest mode is exp(-39); 6e-4 = viscosity 1e-3 * 0.006 / 0.01
@@ -376,20 +359,6 @@ def test_without_polymer_there_is_no_polymer_stress():
     assert normal.shape == shear.shape == (21, 3)
     assert not normal.any()
     assert not shear.any()
-
-
-def test_all_solvent_is_newtonian():
-    flow = {"bottom": WallMotion(-0.1), "top": WallMotion(0.5), "acceleration": 0.01}
-    polymer, newtonian = make_channel(**oldroyd_b(10.0, 1.0), **flow), make_channel(**flow)
-    # the solution with polymer reaches 1e-11 of the largest velocity
-    assert np.allclose(
-        polymer.exact_velocity(Y, 3.0),
-        newtonian.exact_velocity(Y, 3.0),
-        rtol=0,
-        atol=1e-11,
-    )
-    assert polymer.exact_wall_shear(3.0) == pytest.approx(newtonian.exact_wall_shear(3.0), rel=1e-10)
-    assert not np.any(polymer.exact_polymer_stress(Y, 3.0))
 
 
 OIL = {

@@ -200,7 +200,7 @@ def test_discs_have_the_colour_of_what_is_shown(color_by, place):
     share = (EXACT[color_by](renderer.scene, *place) - lowest) / (highest - lowest)
     # vorticity is that of a quadratic fit to 18 neighbours, which is up to (k 2.4 spacings)^2/8 = 7 % small
     near = matplotlib.colormaps[quantity.colour_map](share + np.linspace(-0.04, 0.04, 41) * (color_by == "vorticity"))
-    assert np.abs(255 * near[:, :3] - found).max(axis=1).min() <= 3  # levels, as in tests/report/test_stress.py
+    assert np.abs(255 * near[:, :3] - found).max(axis=1).min() <= 3  # levels, as in tests/report/test_quantities.py
 
 
 def test_error_in_the_picture_is_that_of_what_is_shown():

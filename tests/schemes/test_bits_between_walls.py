@@ -8,24 +8,6 @@ from tisph import config, registry, runtime, scenes
 from tisph.least_squares import operators
 from tisph.simulation.state import start_values
 
-ANNULUS = """
-scene: annulus
-fluid: {density: 1.0, kinematic_viscosity: 0.02}
-geometry: {inner_radius: 1.0, outer_radius: 2.0}
-walls: {inner: {angular_velocity: 1.0}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 12}
-time: {end: 1.0}
-"""
-CAVITY = """
-scene: cavity
-fluid: {density: 1.0, kinematic_viscosity: 0.02}
-geometry: {width: 1.0, height: 1.0}
-walls: {lid: {velocity: 1.0}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 14}
-time: {end: 1.0}
-"""
 LATTICE = """
 scene: lattice
 fluid: {density: 1.0, kinematic_viscosity: 0.02}
@@ -39,18 +21,14 @@ time: {end: 1.0}
 
 pytestmark = [pytest.mark.taichi, pytest.mark.other_program]
 
-CASES = {"annulus": ANNULUS, "cavity": CAVITY, "lattice": LATTICE}
-SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in ("annulus", "cavity")]
-"""Less than the lattice has: its walls are curved, move, and take forces and torques."""
-
 STEPS = 4
 
 
-@pytest.fixture(scope="module", params=["lattice", *SLOW])
-def start(request, tmp_path_factory):
+@pytest.fixture(scope="module")
+def start(tmp_path_factory):
     """Return a function that starts the scheme of a case in some precision and on some threads."""
     path = tmp_path_factory.mktemp("case") / "case.yaml"
-    path.write_text(CASES[request.param])
+    path.write_text(LATTICE)
 
     def started(threads=1, precision="f64"):
         settings = config.load(path, ["scheme={type: implicit}", f"discretisation.precision={precision}"])
@@ -93,7 +71,7 @@ def test_single_precision_gives_the_same_flow(start, monkeypatch):
     Rounding of 6e-8 in the places, over a spacing of 1/14 or 1/18 and times the rows' largest entries, about 10.
     Measured: velocities 2e-5, forces 1.3e-3, pressure 9e-3; these are divided by the short first steps.
     """
-    monkeypatch.setattr(wall_points, "BENT", -1.0)
+    monkeypatch.setattr(wall_points, "CURVED", -1.0)
     single, double = (stepped(start(precision=precision)) for precision in ("f32", "f64"))
     assert single["t"] == pytest.approx(double["t"], rel=1e-3)  # the step follows the error, which has its own rounding
     for name in ("x", "y", "u", "v"):

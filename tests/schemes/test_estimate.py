@@ -1,6 +1,6 @@
 """The error that `tisph check` states of every sample: how layers of the lattice tell it, and its limits.
 
-That it is right is held by ``test_estimates.py``, against runs.
+That it is right is held by ``tests/cli/test_check.py``, against runs.
 """
 
 import math

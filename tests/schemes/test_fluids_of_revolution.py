@@ -47,16 +47,8 @@ def off(scene, found, field):
 @pytest.mark.parametrize(
     ("rheology", "changes", "fields", "bound"),
     [
-        pytest.param(CARREAU, DRIVEN, ("u",), 1e-3, marks=pytest.mark.slow),  # the next law thins more
         (POWER, (*BETWEEN, *INNER, "initial.state=developed"), ("w",), 3e-3),
         (GIESEKUS, DRIVEN, ("u", *STRESSES[:2]), 3e-3),
-        pytest.param(
-            FENE_P,
-            (*BETWEEN, *DRIVEN, "walls.inner={velocity: 1.0}"),
-            ("u", *STRESSES[:2]),
-            1e-3,
-            marks=pytest.mark.slow,  # both laws and both kinds of pipes are in other cases
-        ),
         (GIESEKUS, (*BETWEEN, *INNER), ("w", "stress_tt", "stress_yt"), 5e-4),
         (FENE_P, SPUN, ("w", "stress_tt", "stress_yt"), 2e-2),
     ],

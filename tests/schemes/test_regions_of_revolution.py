@@ -92,15 +92,6 @@ def test_fluid_in_what_turns_as_a_whole_turns_as_a_solid(run, around, bodies):
 
 SAME = [
     pytest.param(
-        "scene: pipe\ngeometry: {radius: 1.0, length: 1.5}\nwalls: {outer: {angular_velocity: 0.3}}\n"
-        "drive: {acceleration: 4.0}",
-        "geometry: {height: 1.0, length: 1.5}\nturning: [{wall: top, angular_velocity: 0.3}]\n"
-        "drive: {acceleration: 4.0}",
-        {"outer": "top"},
-        marks=pytest.mark.slow,  # the others have a tube or plates, too
-        id="pipe",
-    ),
-    pytest.param(
         "scene: taylor_couette\ngeometry: {inner_radius: 1.0, outer_radius: 2.0, length: 1.5, end_plates: with_inner}\n"
         "walls: {inner: {times: [0.0, 0.02], angular_velocities: [0.0, 1.0]}}",
         "walls: {around: {type: polygon, corners: [[0, 1], [0, 2], [1.5, 2], [1.5, 1]]}}\n"

@@ -269,15 +269,3 @@ def test_two_vortices_side_by_side():
     scheme = make(24, cells=2, targets=[0.1])
     assert scheme.points.fluid == 2 * 24**2
     assert errors(run(scheme, 0.1))[0] < 1e-3
-
-
-@pytest.mark.slow
-def test_another_number_of_particles_compiles_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr(runtime, "CACHE", tmp_path / "cache")
-    compiled = []
-    for number in (24, 30):
-        bits(make(number, fresh=True), 2)
-        runtime.stop()
-        compiled.append({path.name for path in tmp_path.rglob("*.tic")})
-    assert compiled[0]
-    assert compiled[1] == compiled[0]

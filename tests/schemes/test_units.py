@@ -27,12 +27,9 @@ def overrides(length, time, density):
 @pytest.mark.parametrize(
     "choice",
     [
-        pytest.param(("scheme.type=wcsph", "walls.treatment.type=adami"), marks=pytest.mark.slow),
-        pytest.param(("scheme.type=wcsph", "walls.treatment.type=fixed_image"), marks=pytest.mark.slow),
         ("scheme.type=wcsph", "walls.treatment.type=virtual_image", "scheme.artificial_viscosity=0.1"),
         ("scheme.type=wcsph", "walls.treatment.type=comoving_image", "scheme.operators=standard"),
         ("scheme.type=wcsph", "walls.treatment.type=consistent_image", "polymer"),
-        pytest.param(("scheme.type=implicit", "walls.treatment.type=consistent_image"), marks=pytest.mark.slow),
         ("scheme.type=implicit", "walls.treatment.type=virtual_image", "scheme.operators.order=2"),
         ("scheme.type=implicit", "walls.treatment.type=consistent_image", "polymer"),
     ],

@@ -36,22 +36,6 @@ MODES = (
 OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 40.0}"
 SCHEDULE = "walls.top={times: [0.0, 0.5, 0.5, 0.7], velocities: [0.5, 0.5, 0.1, 0.3]}"
 NO_VIDEO = "output.video=null"
-ANNULUS = [
-    "scene=annulus",
-    "geometry={inner_radius: 1.0, outer_radius: 2.0}",
-    "walls={inner: {angular_velocity: 1.0}}",
-    "discretisation.particles_across=8",
-    "time.tolerance=1e-4",
-]
-CAVITY = [
-    "scene=cavity",
-    "geometry={width: 1.0, height: 1.0}",
-    "walls={lid: {velocity: 1.0}}",
-    "time={end: 0.3, samples: [0.1, 0.2, 0.3]}",
-    "output.checkpoint_every=0.25",
-    NO_VIDEO,
-]
-MOVING_BODY = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.3, 0.0], angular_velocity: 1.0}}]"
 TOUCHING = [
     "bodies=[{centre: [0.3, 0.5], radius: 0.15, motion: free},"
     " {centre: [0.72, 0.5], radius: 0.15, motion: free, density: 2.0}]",
@@ -64,33 +48,19 @@ TOUCHING = [
 SCENES = {
     "wcsph": ["scheme={type: wcsph}"],
     "implicit": ["scheme={type: implicit}", "time.tolerance=1e-5"],
-    "implicit order 2": ["scheme={type: implicit, operators: {order: 2}}", "time.tolerance=1e-5", NO_VIDEO],
     "viscoelastic": ["scheme={type: wcsph}", OLDROYD_B, NO_VIDEO],
-    "viscoelastic implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OLDROYD_B, NO_VIDEO],
     "several modes": [MODES, NO_VIDEO, "output.vtk=true"],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
-    "oscillating implicit": ["scheme={type: implicit}", "time.tolerance=1e-5", OSCILLATION, NO_VIDEO],
     "scheduled wall": ["scheme={type: implicit}", "time.tolerance=1e-5", SCHEDULE, NO_VIDEO],
-    "creep and recovery": [OLDROYD_B, "walls.top={times: [0.0, 0.5], stresses: [0.01, 0.0]}", NO_VIDEO],
     "a plate with a mass": [OLDROYD_B, "walls.top={shear_stress: 0.01, mass_per_area: 0.3}", NO_VIDEO],
-    "annulus": ANNULUS,
-    "cavity": CAVITY,
-    "channel with a body": [MOVING_BODY, "discretisation.particles_across=18", "time.tolerance=1e-4"],
     "free bodies in contact": TOUCHING,
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }
 SLOW = [
-    "implicit order 2",
     "oscillating",
-    "oscillating implicit",
     "single precision",
     "viscoelastic",  # all that it knows goes on from any step, below
-    "viscoelastic implicit",  # as several modes
-    "annulus",  # as a channel with a body
-    "cavity",  # as tests/schemes/test_viscoelastic_stress.py, under a lid too
-    "channel with a body",  # free bodies have more to remember
     "scheduled wall",  # of which a run is extended, below
-    "creep and recovery",  # a plate with a mass has more to remember, a scheduled wall what is to change
 ]
 
 

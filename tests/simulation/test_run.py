@@ -355,16 +355,6 @@ def test_a_damaged_history_is_no_traceback_on_resume(run, copied):
     assert "Traceback" not in refused.stderr
 
 
-@pytest.mark.slow  # what test_shared_kernels finds in a folder for them is here found in that of the user
-@pytest.mark.skipif(os.name == "nt", reason="HOME decides on POSIX systems only")
-def test_compiled_kernels_are_kept_for_the_next_run(tmp_path):
-    home = tmp_path / "home"
-    home.mkdir()
-    folders = {"HOME": str(home), "XDG_CACHE_HOME": str(home / ".cache")}
-    in_a_process(tmp_path, "--no-video", "--set", "time={end: 0.01}", **folders)
-    assert list((home / ".cache" / "tisph").rglob("*.tic"))
-
-
 def test_render_draws_what_the_files_of_the_folder_allow(tisph, copied):
     (copied / "samples.h5").unlink()
     drawn = tisph("render", copied).stdout

@@ -49,16 +49,15 @@ LONG = (
 )
 """Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
 walls, and lattice bounds the error at 50 across of the wall that moves. In tests/schemes the vortex of 50 across has
-the same bounds in test_two_dimensional.py, its order too; curved walls are in test_curved_walls.py, eccentric
-cylinders in test_eccentric_cylinders.py, the steady flow under a regular lid and the sharp lid in
-test_corner_singularities.py, a coarser cylinder, held in shear, in test_bodies_in_flow.py, to the same stress of the
-walls; between the same cylinders a Giesekus fluid starts in test_viscoelastic_stress.py. The forces on free bodies at
-rest, when they are released, falling and in shear are in test_free_bodies.py, the drag of a sphere in
-test_axisymmetric_loads.py, the pipe and Taylor vortices with fewer particles in test_axisymmetric.py, spin-up in
-test_regions_of_revolution.py, a fluid of varying viscosity between cylinders in test_generalised_newtonian_stress.py,
-a law in steps and two modes in test_channel_polymer.py, to the same bound. Bingham's law is stepped as Carreau's, and
-varies more. tests/rheology/test_laws_in_kernels.py compares both laws in kernels with NumPy, and test_laws.py there
-compares them with the literature."""
+the same bounds in test_two_dimensional.py, its order too; curved walls and eccentric cylinders are in
+test_curved_walls.py, the steady flow under a regular lid and the sharp lid in test_corner_singularities.py, a coarser
+cylinder, held in shear, in test_bodies_in_flow.py, to the same stress of the walls; between the same cylinders a
+Giesekus fluid starts in test_viscoelastic_stress.py. The forces on free bodies at rest, when they are released,
+falling and in shear are in test_free_bodies.py, the drag of a sphere, the pipe and Taylor vortices with fewer
+particles in test_axisymmetric.py, spin-up in test_regions_of_revolution.py, a fluid of varying viscosity between
+cylinders in test_generalised_newtonian_stress.py, a law in steps and two modes in test_channel_polymer.py, to the same
+bound. Bingham's law is stepped as Carreau's, and varies more. tests/rheology/test_laws_in_kernels.py compares both
+laws in kernels with NumPy, and test_laws.py there compares them with the literature."""
 
 
 def checks(quick):

@@ -19,10 +19,10 @@ test: export PYTHONDONTWRITEBYTECODE =
 test: .venv/test-ready
 	$(BIN)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder
 
-# With Quadrants in the place of Taichi, in an environment of its own: core tests that start it anew for each case and
+# With Quadrants in the place of Taichi, in an environment of its own: tests that start it anew for each case and
 # never use two programs at once.
-CORE := tests/core/test_runtime.py tests/core/test_operators.py tests/core/test_cavity.py \
-	tests/core/test_laws_in_kernels.py
+CORE := tests/runtime/test_runtime.py tests/numerics/test_operators.py tests/schemes/test_corner_singularities.py \
+	tests/rheology/test_laws_in_kernels.py
 
 test-quadrants: .venv-quadrants/ready
 	$(QUADRANTS)/python -m pytest --numprocesses auto --maxprocesses 8 --dist loadfile --no-loadscope-reorder $(CORE)

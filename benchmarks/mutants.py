@@ -31,89 +31,126 @@ MEMORY = 6 << 30
 
 NOT_COPIED = (".git", ".venv", "media", "__pycache__", "runs", "mutants")
 
-UNIT, CORE = "tests/unit/test_", "tests/core/test_"
-EXPLICIT = [CORE + name for name in ("operators", "wall*", "stress", "impulse", "units")]
-IMPLICIT = [CORE + name for name in ("implicit_modes", "implicit_accuracy", "implicit_symmetry", "implicit", "shift")]
-TURNS = [CORE + name for name in ("splitting", "curved_walls", "bodies_in_flow", "cavity")]
-TURNS += [CORE + name for name in ("polymer_steps", "polymer_where_it_turns")]
+EXPLICIT = ["numerics/test_operators", "walls/test_*", "schemes/test_wcsph_stress", "schemes/test_units"]
+IMPLICIT = ["schemes/test_channel" + name for name in ("_modes", "_accuracy", "")]
+IMPLICIT += ["schemes/test_shifting"]
+TWO_DIMENSIONAL = ["two_dimensional", "curved_walls", "bodies_in_flow", "corner_singularities"]
+TWO_DIMENSIONAL = ["schemes/test_" + name for name in (*TWO_DIMENSIONAL, "channel_polymer", "viscoelastic_stress")]
+POLYMER = ["schemes/test_channel_polymer", "schemes/test_viscoelastic_stress*"]
+LAYERS = "schemes/test_estimate_layers"
+CHOICE = ["schemes/test_auto", "schemes/test_protocol", "schemes/test_step_control"]
+WALLS = ["walls/test_walls", "walls/test_wall_treatments"]
 TESTS = {
-    "exact": [UNIT + "exact_*", UNIT + "scene_flows"],
-    "exact/couette": [UNIT + "exact_couette", UNIT + "scene_flows"],
-    "exact/_c": [UNIT + "exact_c*", UNIT + "exact_*", UNIT + "scene_flows"],
-    "exact/linear": [UNIT + "rheometry*", UNIT + "exact_*", UNIT + "scene_flows"],
-    "exact/sliding": [UNIT + "exact_sliding_corner", UNIT + "exact_cavity"],
-    "exact/uniform_shear": [UNIT + "rheometry_schedules"],
-    "measures": [
-        UNIT + "measures*",
-        UNIT + "studies_checks",
-        UNIT + "studies_walls*",
-        UNIT + "measures_gradients",
-        UNIT + "extrapolation",
+    "exact": ["exact/test_*", "scenes/test_channel"],
+    "exact/couette": ["exact/test_couette", "scenes/test_channel"],
+    "exact/_c": ["exact/test_c*", "exact/test_*", "scenes/test_channel"],
+    "exact/linear": ["measures/test_rheometry*", "exact/test_*", "scenes/test_channel"],
+    "exact/sliding": ["exact/test_sliding_corner", "exact/test_cavity"],
+    "exact/uniform_shear": ["measures/test_rheometry"],
+    "measures": ["measures/test_*", "studies/test_checks", "studies/test_walls*", "studies/test_extrapolation"],
+    "measures/fits": [
+        "measures/test_fits",
+        "report/test_*",
+        "schemes/test_bodies_in_flow",
+        "schemes/test_curved_walls",
     ],
-    "measures/fits": [UNIT + "measures_gradients", UNIT + "report_*", CORE + "bodies_in_flow", CORE + "curved_walls"],
-    "measures/resolution": [UNIT + "resolution", UNIT + "scene_cell", CORE + "cavity", CORE + "run"],
-    "studies/": [UNIT + "studies_*"],
-    "measures/viscometers": [UNIT + "rheometry*", CORE + "scheduled_cylinders"],
-    "measures/rheometry": [UNIT + "rheometry*", CORE + "scheduled_*"],
-    "measures/channel": [UNIT + "measures*"],
-    "least_squares": [CORE + "least_squares", CORE + "multilevel", CORE + "viscous_solver", *IMPLICIT],
-    "least_squares/operators": [CORE + "least_squares", CORE + "curved_walls", *IMPLICIT],
-    "solvers/auxiliary_grid": [CORE + "multilevel", CORE + "viscous_solver"],
-    "solvers": [CORE + "multilevel", CORE + "viscous_solver", CORE + "splitting"],
-    "schemes": [UNIT + "scheme*", UNIT + "plan", *EXPLICIT],
-    "schemes/_local_newton": [
-        UNIT + "logarithm",
-        CORE + "layers_of_the_lattice",
-        CORE + "polymer_*",
-        CORE + "laws_in_kernels",
+    "measures/resolution": [
+        "measures/test_resolution",
+        "scenes/test_cell",
+        "schemes/test_corner_singularities",
+        "simulation/test_run",
     ],
+    "studies/": ["studies/test_*"],
+    "measures/viscometers": [
+        "measures/test_rheometry*",
+        "measures/test_viscometers",
+        "schemes/test_scheduled_cylinders",
+    ],
+    "measures/rheometry": ["measures/test_rheometry*", "schemes/test_scheduled_*"],
+    "measures/channel": ["measures/test_metrics", "measures/test_channel"],
+    "least_squares": [
+        "numerics/test_least_squares",
+        "numerics/test_two_level",
+        "numerics/test_viscous_solver",
+        *IMPLICIT,
+    ],
+    "least_squares/operators": ["numerics/test_least_squares", "schemes/test_curved_walls", *IMPLICIT],
+    "solvers/auxiliary_grid": ["numerics/test_two_level", "numerics/test_viscous_solver"],
+    "solvers": ["numerics/test_two_level", "numerics/test_viscous_solver", "schemes/test_two_dimensional"],
+    "schemes": [*CHOICE, *EXPLICIT],
+    "schemes/_local_newton": ["schemes/test_log_conformation", LAYERS, *POLYMER, "rheology/test_laws_in_kernels"],
     "schemes/_momentum": [
-        CORE + "impulse",
-        CORE + "implicit_symmetry",
-        CORE + "wall_treatments",
-        CORE + "explicit_box",
+        "walls/test_impulse",
+        "schemes/test_channel",
+        "walls/test_wall_treatments",
+        "schemes/test_wcsph",
     ],
-    "schemes/auto": [UNIT + "scheme*", UNIT + "plan", UNIT + "config_*"],
-    "schemes/_time_step": [CORE + "shift", UNIT + "cli_check", *EXPLICIT],
-    "schemes/wcsph/_bodies": [UNIT + "loads", CORE + "explicit_bodies"],
-    "schemes/_shifting": [CORE + "splitting", *IMPLICIT],
-    "schemes/wcsph": [UNIT + "scheme*", UNIT + "plan", CORE + "explicit_*", *EXPLICIT],
+    "schemes/auto": [*CHOICE, "config/test_*"],
+    "schemes/_time_step": ["schemes/test_shifting", "cli/test_check", *EXPLICIT],
+    "schemes/wcsph/_bodies": ["schemes/test_wcsph_loads", "schemes/test_wcsph"],
+    "schemes/_shifting": ["schemes/test_two_dimensional", *IMPLICIT],
+    "schemes/wcsph": [*CHOICE, "schemes/test_wcsph_*", *EXPLICIT],
     "schemes/_estimate": [
-        UNIT + "error_estimate",
-        CORE + "layers_of_the_lattice",
-        UNIT + "cli_check",
-        UNIT + "stability_cells",
-        UNIT + "estimates",
+        "schemes/test_estimate",
+        LAYERS,
+        "cli/test_check",
+        "studies/test_stability",
     ],
-    "schemes/_two_dimensional/viscoelastic_stress": [UNIT + "logarithm", CORE + "polymer_*"],
-    "schemes/_two_dimensional": [UNIT + "splitting_steps", UNIT + "logarithm", UNIT + "layers", *TURNS],
-    "schemes/_step_control": [UNIT + "step_control", UNIT + "plan", UNIT + "splitting_steps", *IMPLICIT],
+    "schemes/_two_dimensional/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
+    "schemes/_two_dimensional": [
+        "schemes/test_two_dimensional_parts",
+        "schemes/test_log_conformation",
+        "house/test_layers",
+        *TWO_DIMENSIONAL,
+    ],
+    "schemes/_step_control": [
+        "schemes/test_step_control",
+        "schemes/test_two_dimensional_parts",
+        *IMPLICIT,
+    ],
     "schemes/_channel": [
-        UNIT + "esdirk",
-        CORE + "layers_of_the_lattice",
-        CORE + "scheduled_walls",
-        CORE + "implicit_limits",
+        "schemes/test_channel_stages",
+        LAYERS,
+        "schemes/test_scheduled_walls",
         *IMPLICIT,
     ],
-    "schemes/_channel/models": [CORE + "polymer_*", CORE + "stress", CORE + "laws_in_kernels"],
+    "schemes/_channel/wall_pair": ["walls/test_impulse", LAYERS, *POLYMER, *IMPLICIT],
+    "schemes/_channel/models": [*POLYMER, "schemes/test_wcsph_stress", "rheology/test_laws_in_kernels"],
     "schemes/_channel/walls": [
-        UNIT + "implicit_wall_series",
-        CORE + "impulse",
-        CORE + "layers_of_the_lattice",
-        CORE + "polymer_*",
-        CORE + "scheduled_walls",
+        "schemes/test_channel_stages",
+        *POLYMER,
+        "schemes/test_scheduled_walls",
         *IMPLICIT,
     ],
-    "schemes/_channel/stress_controlled": [CORE + "stress_controlled_walls", CORE + "scheduled_walls"],
-    "schemes/_channel/operators": [CORE + "viscous_solver", CORE + "wall_treatments", *IMPLICIT],
-    "schemes/_channel/scheme": [CORE + "points", CORE + "implicit_symmetry", UNIT + "implicit_wall_series", *IMPLICIT],
-    "schemes/implicit": [UNIT + "config_*", UNIT + "scheme*", CORE + "implicit_limits"],
-    "rheology": [UNIT + "laws", UNIT + "config_rheologies", CORE + "laws_in_kernels", CORE + "stress"],
-    "operators": [CORE + "weights", *EXPLICIT],
-    "walls": [CORE + "walls", CORE + "wall_t*", CORE + "impulse", CORE + "stress", CORE + "implicit_symmetry"],
-    "walls/_images": [CORE + "walls", CORE + "explicit_bodies", CORE + "wall_t*"],
-    "walls/_dummies": [CORE + "explicit_bodies", CORE + "explicit_box", CORE + "wall_t*"],
-    "walls/consistent": [CORE + "wall_t*", CORE + "stress", CORE + "implicit_symmetry", CORE + "implicit_accuracy"],
+    "schemes/_channel/stress_controlled": ["schemes/test_scheduled_walls"],
+    "schemes/_channel/ghosts": ["numerics/test_viscous_solver", "walls/test_wall_treatments", *IMPLICIT],
+    "schemes/_channel/step": [
+        "numerics/test_point_cloud",
+        "schemes/test_channel_stages",
+        *IMPLICIT,
+    ],
+    "schemes/implicit": ["config/test_*", *CHOICE, "schemes/test_channel"],
+    "rheology": [
+        "rheology/test_laws",
+        "config/test_flows",
+        "rheology/test_laws_in_kernels",
+        "schemes/test_wcsph_stress",
+    ],
+    "operators": EXPLICIT,
+    "walls": [
+        *WALLS,
+        "walls/test_impulse",
+        "schemes/test_wcsph_stress",
+        "schemes/test_channel",
+    ],
+    "walls/_circles": ["schemes/test_wcsph", "walls/test_wall_treatments"],
+    "walls/_dummies": ["schemes/test_wcsph", "walls/test_wall_treatments"],
+    "walls/_consistent": [
+        "walls/test_wall_treatments",
+        "schemes/test_wcsph_stress",
+        "schemes/test_channel",
+        "schemes/test_channel_accuracy",
+    ],
 }
 """Tests of a folder or file of the package, the quickest first; the longest name that fits counts."""
 
@@ -126,7 +163,7 @@ def tests_of(path):
     """Test files for a file of the package, without repetitions."""
     name = path.relative_to(ROOT / "tisph").as_posix()
     best = max((key for key in TESTS if name.startswith(key)), key=len)
-    found = [file for pattern in TESTS[best] for file in sorted(ROOT.glob(pattern + ".py"))]
+    found = [file for pattern in TESTS[best] for file in sorted(ROOT.glob(f"tests/{pattern}.py"))]
     return [str(file.relative_to(ROOT)) for file in dict.fromkeys(found)]
 
 

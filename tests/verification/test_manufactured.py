@@ -15,7 +15,7 @@ pytestmark = pytest.mark.verification
 
 
 LONG = ("annulus_oldroyd_b",)
-"""What takes a minute: the stress of a polymer is compared with its reference in tests/core."""
+"""What takes a minute: the stress of a polymer is compared with its reference in tests/schemes."""
 
 
 @pytest.mark.parametrize(

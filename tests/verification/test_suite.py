@@ -48,20 +48,16 @@ LONG = (
     "released_0.1",
 )
 """Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
-walls, and lattice bounds the error at 50 across of the wall that moves. The vortex of 50 across has the same bounds in
-tests/core/test_splitting.py, its order too. What walls of any shape cost is in tests/core/test_curved_walls.py,
-eccentric cylinders in
-tests/core/test_eccentric_cylinders.py; the steady flow under a regular lid and the sharp lid are
-in tests/core/test_cavity.py; a coarser cylinder is held in shear in tests/core/test_bodies_in_flow.py, to the same
-stress of the walls; between the same cylinders a Giesekus fluid starts in
-tests/core/test_polymer_in_two_dimensions.py.
-What moves free bodies at rest, when they are released, falling and in shear is in tests/core/test_free_bodies.py, the
-drag of a sphere in tests/core/test_axisymmetric_loads.py. The pipe and Taylor vortices with fewer particles are in
-tests/core/test_axisymmetric.py, spin-up in tests/core/test_regions_of_revolution.py, a fluid of varying viscosity
-between cylinders in tests/core/test_varying_viscosity.py. Bingham's law is stepped as Carreau's, and varies more.
-What the two laws say in kernels is compared with NumPy in tests/core/test_laws_in_kernels.py, that with the literature
-in tests/unit/test_laws.py; how a law is stepped is in other rows here, and two modes in
-tests/core/test_polymer_steps.py, to the same bound."""
+walls, and lattice bounds the error at 50 across of the wall that moves. In tests/schemes the vortex of 50 across has
+the same bounds in test_two_dimensional.py, its order too; curved walls and eccentric cylinders are in
+test_curved_walls.py, the steady flow under a regular lid and the sharp lid in test_corner_singularities.py, a coarser
+cylinder, held in shear, in test_bodies_in_flow.py, to the same stress of the walls; between the same cylinders a
+Giesekus fluid starts in test_viscoelastic_stress.py. The forces on free bodies at rest, when they are released,
+falling and in shear are in test_free_bodies.py, the drag of a sphere, the pipe and Taylor vortices with fewer
+particles in test_axisymmetric.py, spin-up in test_regions_of_revolution.py, a fluid of varying viscosity between
+cylinders in test_generalised_newtonian_stress.py, a law in steps and two modes in test_channel_polymer.py, to the same
+bound. Bingham's law is stepped as Carreau's, and varies more. tests/rheology/test_laws_in_kernels.py compares both
+laws in kernels with NumPy, and test_laws.py there compares them with the literature."""
 
 
 def checks(quick):

@@ -2,7 +2,7 @@
 
 The file is used with that version alone (``_taichi.KNOWN``), since any other version, and Quadrants, may have other
 inner parts; everything works without it. The results are the same to the last bit with this file and without it
-(``tests/core/test_runtime.py``).
+(``tests/runtime/test_runtime.py``).
 
 Launches. At each launch Taichi inspects every argument, looks its kernel up and asks for its machine code. That takes
 35 us, the launch itself 1 us. A step of a few hundred particles consists of many short launches: with 12 particles

@@ -202,7 +202,7 @@ class BoundedProblem(_Problem):
         return self.n_fluid + self.walls.count
 
 
-def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
+def build(config, scene, targets, serial):
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 

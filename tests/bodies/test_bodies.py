@@ -1,0 +1,296 @@
+"""The section ``bodies`` of a config: bodies and suspensions that it means, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from inside import clearance_problems as problems
+
+from tisph import registry, scenes
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.geometry.body import Body, smallest_gap
+from tisph.geometry.circle import Circle
+from tisph.geometry.ellipse import Ellipse
+from tisph.geometry.line import Line
+from tisph.geometry.motion import REST, RigidMotion, WallMotion
+
+SCENE = """\
+\"\"\"A scene of a test, with bodies.\"\"\"
+
+from tisph.config.fields import Bodies
+from tisph.scenes import taylor_green
+
+
+class Config(taylor_green.Config):
+    bodies: Bodies = ()
+"""
+
+CASE = """\
+scene: full
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {length: 1.0}
+initial: {velocity: 1.0}
+time: {end: 1.0}
+bodies:
+"""
+
+
+@pytest.fixture
+def bodies(tmp_path, monkeypatch):
+    """Return a function from the lines of the section to the models of its bodies."""
+    package = tmp_path / "scenes_of_a_test"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "full.py").write_text(SCENE)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(registry.FAMILIES, "scenes", package.name)
+    path = tmp_path / "case.yaml"
+
+    def read(*lines):
+        path.write_text(CASE + "".join(f"  - {line}\n" for line in lines))
+        config = load(path)
+        again = tmp_path / "again.yaml"
+        again.write_text(config.resolved_yaml())
+        assert load(again).bodies == config.bodies
+        return config.bodies
+
+    return read
+
+
+def test_every_shape_makes_its_body(bodies):
+    circle, ellipse, square, curve = bodies(
+        "{type: circle, centre: [0.2, 0.3], radius: 0.1}",
+        "{type: ellipse, centre: [0.2, 0.7], angle: 0.3, half_axes: [0.1, 0.05]}",
+        "{type: polygon, centre: [0.7, 0.3], angle: 0.5, corners: [[0, 0], [0.1, 0], [0.1, 0.1]], corner_radius: 0.01}",
+        "{type: curve, points: [[0.5, 0.4], [0.6, 0.5], [0.5, 0.6], [0.4, 0.5]]}",
+    )
+    assert circle.body() == Body(Circle(0.1), (0.2, 0.3))
+    assert circle.body().motion is REST
+    assert ellipse.body() == Body(Ellipse((0.1, 0.05)), (0.2, 0.7), 0.3)
+    assert square.body((1.0, math.inf)).periods == (1.0, math.inf)
+    assert (square.body().angle, square.shape().corner_radius) == (0.5, 0.01)
+    assert np.abs(curve.body().nearest(np.array([[0.6, 0.5]])).distance).max() < 1e-12
+
+
+def test_motions(bodies):
+    fixed, moving, rotation, swinging = (
+        one.body().motion
+        for one in bodies(
+            "{centre: [0, 0], radius: 0.1, motion: fixed}",
+            "{centre: [0, 0], radius: 0.1, motion: {velocity: [0.1, -0.2], angular_velocity: 3.0}}",
+            "{centre: [0, 0], radius: 0.1, motion: {angular_velocity: 3}}",
+            "{centre: [0, 0], radius: 0.1, motion: {amplitude: [0, 0.5], angular_frequency: 2.0, phase: sin}}",
+        )
+    )
+    assert fixed is REST
+    assert moving == RigidMotion(WallMotion(0.1), WallMotion(-0.2), WallMotion(3.0))
+    assert rotation == RigidMotion(rotation=WallMotion(3.0))
+    assert swinging.y == WallMotion(0.0, 0.5, 2.0)
+    assert not swinging.rotation.velocity(0.3)
+
+
+BAD = {
+    "type": ("{type: circel, centre: [0, 0], radius: 1}", ":7: bodies.0.type", "nearest: circle"),
+    "key": ("{centre: [0, 0], radus: 1}", ":7: bodies.0.radus = 1: unknown key; nearest: radius", "allowed: "),
+    "key of motion": (
+        "{centre: [0, 0], radius: 1, motion: {angular_velocty: 1}}",
+        "bodies.0.motion.angular_velocty = 1: unknown key; nearest: angular_velocity",
+    ),
+    "missing": ("{centre: [0, 0]}", "bodies.0.radius: is missing"),
+    "radius": ("{centre: [0, 0], radius: -1}", "bodies.0.radius = -1: must be greater than 0"),
+    "one half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1]}", "bodies.0.half_axes.1: is missing"),
+    "half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1, 0]}", "bodies.0.half_axes.1 = 0"),
+    "centre": ("{centre: [0, 0, 0], radius: 1}", "bodies.0.centre = [0, 0, 0]: must have at most 2 items"),
+    "word": ("{centre: [0, 0], radius: 1, motion: loose}", "bodies.0.motion = \"loose\": must be 'fixed' or 'free'"),
+    "no motion": ("{centre: [0, 0], radius: 1, motion: {}}", "bodies.0.motion: give velocity or angular_velocity"),
+    "two motions": (
+        "{centre: [0, 0], radius: 1, motion: {angular_velocity: 1, angular_amplitude: 1, angular_frequency: 1}}",
+        "bodies.0.motion.angular_velocity = 1.0: is only for a body of constant velocity",
+    ),
+    "no frequency": (
+        "{centre: [0, 0], radius: 1, motion: {angular_amplitude: 1}}",
+        "bodies.0.motion.angular_frequency: is missing",
+    ),
+    "phase": (
+        "{centre: [0, 0], radius: 1, motion: {angular_velocity: 1, phase: sin}}",
+        'bodies.0.motion.phase = "sin": is only for a body that oscillates',
+    ),
+    "two corners": (
+        "{type: polygon, corners: [[0, 0], [1, 0]]}",
+        "bodies.0.corners",
+        "three corners (x, y) or more, not 2",
+    ),
+    "crossing": ("{type: polygon, corners: [[0, 0], [1, 1], [1, 0], [0, 1]]}", "bodies.0.corners", "meets itself"),
+    "too round": (
+        "{type: polygon, corners: [[0, 0], [1, 0], [1, 1], [0, 1]], corner_radius: 0.6}",
+        "do not fit: at most 0.5",
+    ),
+}
+
+
+@pytest.mark.parametrize(("line", "texts"), [(line, texts) for line, *texts in BAD.values()], ids=BAD)
+def test_bad_input_is_named_with_what_is_allowed(bodies, line, texts):
+    with pytest.raises(ConfigError) as caught:
+        bodies(line)
+    for text in texts:
+        assert text in str(caught.value)
+
+
+def test_bodies_need_two_spacings_of_room():
+    """At walls, among themselves and their copies, and on the way of those that move."""
+    spacing, periods = 0.02, (1.0, math.inf)
+    walls = {"the bottom wall": Body(Line((0, 0), (1, 0), 1.0)), "the top wall": Body(Line((0, 1), (-1, 0), 1.0))}
+
+    def circle(x, y, radius=0.1, **more):
+        return Body(Circle(radius), (x, y), periods=periods, **more)
+
+    assert list(problems([circle(0.2, 0.5), circle(0.5, 0.5)], walls, spacing)) == []
+    (low,) = problems([circle(0.2, 0.13)], walls, spacing)
+    assert low == (
+        "bodies.0.centre",
+        "comes within 0.03 of the bottom wall: leave 2 spacings, 0.04, or take a spacing of at most 0.015",
+    )
+    (outside,) = problems([circle(0.2, 1.05)], walls, spacing)
+    assert outside[1].startswith("overlaps the top wall, by 0.15")
+    ((key, text, other),) = problems([circle(0.05, 0.5), circle(0.9, 0.5)], walls, spacing)
+    assert (key, other) == ("bodies.1.centre", "bodies.0.centre")
+    assert text.startswith("overlaps bodies.0, by 0.05")
+    (wide,) = problems([circle(0.5, 0.5, 0.49)], {}, spacing)
+    assert "its own periodic copy" in wide[1]
+    rising = circle(0.5, 0.5, motion=RigidMotion(y=WallMotion(0.1)))
+    assert list(problems([rising], walls, spacing)) == []
+    assert "the top wall at time 4:" in next(problems([rising], walls, spacing, times=(0.0, 2.0, 4.0)))[1]
+
+
+FLUID = "fluid: {density: 1.0, kinematic_viscosity: 1.0}\ntime: {end: 1.0}\n"
+CIRCLES = "bodies: {type: random_circles, radius: 0.08, fraction: 0.2, seed: 4}\n"
+TEXTS = {
+    "lattice": "geometry: {length: 1.5, height: 1.0}\ndrive: {acceleration: 1.0}\n",
+    "channel": "geometry: {length: 1.5, gap: 1.0}\nwalls: {top: {velocity: 1.0}}\n",
+    "region": "walls: {around: {type: circle, centre: [3.0, 1.0], radius: 0.7, motion: {angular_velocity: 1.0}}}\n",
+}
+AREAS = {"lattice": 1.5, "channel": 1.5, "region": math.pi * 0.49}
+ACROSS = "discretisation.particles_across=60"
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Return a function from a scene and overrides to its config with circles."""
+
+    def read(scene, *changes):
+        path = tmp_path / "case.yaml"
+        path.write_text(f"scene: {scene}\n{FLUID}{CIRCLES}{TEXTS[scene]}")
+        return load(path, [ACROSS, *changes])
+
+    return read
+
+
+def circles(config):
+    """Rows x, y, radius of the bodies in the fluid."""
+    scene = scenes.of(config)
+    return np.array([(*body.centre, body.shape.radius) for body in scene.bodies[: scene.count]])
+
+
+@pytest.mark.parametrize("scene", TEXTS)
+def test_circles_fill_the_fraction_and_keep_the_gap(read, scene):
+    config = read(scene)
+    assert len(circles(config)) == round(0.2 * AREAS[scene] / (math.pi * 0.08**2))
+    assert config.bodies.least_gap == 2.5 * config.spacing
+    # 1e-6 of the walls is what gaps are good to
+    assert smallest_gap(scenes.of(config).bodies)[0] >= config.bodies.least_gap - 1e-6 * 0.5
+
+
+@pytest.mark.parametrize("scene", TEXTS)
+def test_the_resolved_config_is_short_and_gives_the_same_circles(read, scene, tmp_path):
+    config, again = read(scene), tmp_path / "config.resolved.yaml"
+    again.write_text(config.resolved_yaml())
+    assert str(config.bodies.least_gap) in again.read_text()
+    assert set(config.resolved()["bodies"]) == {"type", "motion", "radius", "fraction", "seed", "least_gap"}
+    assert load(again) == config
+    assert circles(load(again)).tobytes() == circles(config).tobytes()
+
+
+def test_a_seed_gives_the_same_circles_and_another_others(read):
+    first, again, other = (circles(read("channel", f"bodies.seed={seed}")) for seed in (4, 4, 5))
+    assert first.tobytes() == again.tobytes()
+    assert np.abs(first - other).max() > 0.1
+
+
+def test_a_given_gap_gives_the_same_circles_at_any_spacing(read):
+    coarse, fine = (
+        circles(read("lattice", "bodies.least_gap=0.05", f"discretisation.particles_across={n}")) for n in (48, 96)
+    )
+    assert coarse.tobytes() == fine.tobytes()
+
+
+@pytest.mark.parametrize(("shares", "parts"), [("null", (0.5, 0.5)), ("[0.25, 0.75]", (0.25, 0.75))])
+def test_radii_of_a_mixture_share_the_area(read, shares, parts):
+    found = circles(read("lattice", "bodies.radius=[0.06, 0.12]", f"bodies.shares={shares}", "bodies.fraction=0.25"))
+    counts = [np.count_nonzero(found[:, 2] == radius) for radius in (0.06, 0.12)]
+    solid = [part * 0.25 * 1.5 for part in parts]
+    assert counts == [round(area / (math.pi * r**2)) for area, r in zip(solid, (0.06, 0.12), strict=True)]
+
+
+def test_all_circles_have_the_motion(read):
+    scene = scenes.of(read("lattice", "bodies.motion={angular_velocity: 2.0}"))
+    assert {float(body.motion.rotation.velocity(0.5)) for body in scene.bodies} == {2.0}
+    assert {float(body.motion.x.velocity(0.5)) for body in scene.bodies} == {0.0}
+
+
+def test_all_circles_are_free_with_the_same_density(read):
+    scene = scenes.of(read("channel", "bodies.motion=free", "bodies.density=2.0"))
+    masses = [body.motion.inertia.mass[0] for body in scene.bodies[: scene.count]]
+    assert masses == pytest.approx([2.0 * math.pi * 0.08**2] * scene.count, rel=1e-14)  # of a product of three
+
+
+def test_a_fraction_that_is_too_large_names_one_that_fits(read):
+    with pytest.raises(ConfigError, match=r"bodies.fraction = 0.7: no places .* circles, 52; .* is ") as refused:
+        read("channel", "bodies.fraction=0.7")
+    fits = float(str(refused.value).rpartition(" ")[2])
+    assert 0.4 < fits < 0.7
+    assert len(circles(read("channel", f"bodies.fraction={fits}"))) == round(fits * 1.5 / (math.pi * 0.08**2))
+
+
+BAD_SUSPENSIONS = {
+    "one key": ("{fraction: 0.1}", "bodies.radius: is missing"),
+    "type": ("{type: random_circle, radius: 0.1, fraction: 0.1}", "bodies.type", "nearest: random_circles"),
+    "a shape": ("{type: circle, centre: [0.5, 0.5], radius: 0.1}", "bodies: must be a list", "{type: random_circles}"),
+    "no map": ("3", "bodies = 3: must be a list", "or a map such as {type: random_circles}"),
+    "key": ("{radus: 0.1, fraction: 0.1}", "bodies.radus = 0.1: unknown key; nearest: radius; allowed: motion"),
+    "place": ("{radius: 0.1, fraction: 0.1, centre: [0, 0]}", "bodies.centre = [0, 0]: unknown key"),
+    "key in list": ("[{radus: 0.1, centre: [0, 0]}]", "bodies.0.radus = 0.1: unknown key; nearest: radius"),
+    "radius": ("{radius: big, fraction: 0.1}", "bodies.radius = ", "must be a number, or a list of radii"),
+    "radii": ("{radius: [0.1, -1], fraction: 0.1}", "bodies.radius.1 = -1: must be greater than 0"),
+    "motion": ("{radius: 0.1, fraction: 0.1, motion: {velocty: [1, 0]}}", "bodies.motion.velocty", "nearest: velocity"),
+    "too few shares": ("{radius: [0.1, 0.2], shares: [1.0], fraction: 0.1}", "must be as many as the radii, 2"),
+    "shares": ("{radius: [0.1, 0.2], shares: [0.5, 0.4], fraction: 0.1}", "must add up to 1, but make 0.9"),
+    "too small a fraction": (
+        "{radius: 0.2, fraction: 0.01}",
+        "is too small for a circle of radius 0.2",
+        "fills 0.08378",
+    ),
+    "too many": ("{radius: 1.0e-20, fraction: 0.5}", "bodies.fraction = 0.5: makes", "at most 100 bodies are allowed"),
+    "too large a circle": ("{radius: 0.49, fraction: 0.6}", "so many circles, 1; nor for fewer"),
+    "too small a circle": (
+        "{radius: 0.04, fraction: 0.1}",
+        "bodies.radius = 0.04",
+        "has 2.4 spacings; it needs at least",
+    ),
+    "gap": ("{radius: 0.1, fraction: 0.4, least_gap: 0.02}", "bodies.least_gap = 0.02: body ", "leave 2 spacings"),
+    "way": (
+        "{radius: 0.1, fraction: 0.3, motion: {velocity: [0.0, 0.5]}}",
+        "bodies.motion: body ",
+        "of walls.top at time",
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("section", "texts"), [(section, texts) for section, *texts in BAD_SUSPENSIONS.values()], ids=BAD_SUSPENSIONS
+)
+def test_bad_suspensions_are_named_with_what_is_allowed(read, section, texts):
+    with pytest.raises(ConfigError) as caught:
+        read("channel", f"bodies={section}")
+    for text in texts:
+        assert text in str(caught.value)

@@ -1,0 +1,385 @@
+"""The command line: exit statuses, one message on standard error, and nothing written on bad input."""
+
+import json
+import re
+import subprocess
+import sys
+import types
+from pathlib import Path
+
+import pytest
+from inside import step_counts
+from typer.testing import CliRunner
+
+import tisph
+from tisph import cli
+from tisph.cli.check import estimates
+from tisph.config import load
+from tisph.errors import DivergedError, TisphError
+from tisph.folder import RESULTS, held
+
+ROOT = Path(tisph.__file__).parents[1]
+
+CONFIG = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 2.0}
+walls: {top: {velocity: 0.5}}
+scheme: {type: wcsph}
+time: {end: 2.7}
+"""
+
+SAMPLE = {"t": 2.7, "l2": 1.234e-3, "rms": 4e-4, "wall_shear_top": 0.125, "resolved": True, "reason": None}
+COST = {"steps": 10, **{f"wall_{part}_s": 0.5 for part in ("total", "import", "compile", "loop", "output")}}
+
+
+@pytest.fixture
+def case(tmp_path, monkeypatch):
+    """Work in an empty folder that holds case.yaml and bad.yaml."""
+    monkeypatch.chdir(tmp_path)
+    Path("case.yaml").write_text(CONFIG)
+    Path("bad.yaml").write_text(CONFIG.replace("2.7", "-1"))
+    return tmp_path
+
+
+@pytest.fixture
+def simulation(monkeypatch):
+    """Stand in for the simulation: record the calls, leave a summary, raise what ``error`` holds."""
+    stand_in = types.ModuleType("tisph.simulation")
+    stand_in.calls, stand_in.error, stand_in.drawn = [], None, []
+    stand_in.summary = {"status": "done", "samples": [SAMPLE], "cost": COST, "provenance": {}}
+    stand_in.__path__ = [str(Path(tisph.__file__).parent / "simulation")]  # its other modules are the real ones
+
+    def run(config, folder, *, pictures, video, resume):
+        stand_in.calls.append((config.name, folder, pictures, video, resume))
+        (folder / "summary.json").write_text(json.dumps(stand_in.summary))
+        print("50%  t = 1.35", file=sys.stderr)
+        if stand_in.error:
+            raise stand_in.error
+        return folder
+
+    stand_in.run = run
+    stand_in.render = lambda *asked: stand_in.calls.append(asked) or stand_in.drawn
+    monkeypatch.setitem(sys.modules, "tisph.simulation", stand_in)
+    monkeypatch.setattr(tisph, "simulation", stand_in, raising=False)
+    return stand_in
+
+
+def tisph_command(*arguments):
+    return CliRunner().invoke(cli.app, list(arguments))
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["check"], ["list"], ["verify"], ["render"]])
+def test_help_has_examples(command):
+    result = tisph_command(*command, "--help")
+    assert result.exit_code == 0
+    assert f"  tisph {' '.join(command)}" in result.stdout.split("Examples:")[1]
+
+
+def test_version():
+    assert tisph_command("--version").stdout == f"tisph {tisph.__version__}\n"
+
+
+@pytest.mark.parametrize("arguments", [["nope"], ["run"], ["check", "case.yaml", "--wrong"], ["render"]])
+def test_wrong_usage_is_bad_input(case, arguments):
+    assert tisph_command(*arguments).exit_code == 2
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_bad_config_is_one_message_and_nothing_is_written(case, simulation, command):
+    result = tisph_command(command, "bad.yaml")
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr == "error: bad.yaml:6: time.end = -1: must be greater than 0 (at least 1e-30)\n"
+    assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
+    assert simulation.calls == []
+
+
+def test_run_makes_its_folder_and_names_the_results(case, simulation):
+    result = tisph_command("run", "case.yaml", "--no-video")
+    assert result.exit_code == 0
+    folder = Path("runs/case")
+    assert simulation.calls == [("case", folder, True, False, False)]
+    assert str(folder / "summary.json") in result.stdout
+    assert "movie" not in result.stdout  # names only what is there
+
+
+def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
+    thin = {**SAMPLE, "t": 0.5, "l2": None, "resolved": False, "reason": "the layer is too thin"}
+    simulation.summary["samples"] = [thin, SAMPLE]
+    simulation.summary["error_estimate"] = {"samples": [{"fields": {"velocity": {"error": 0.02}}}, {"fields": {}}]}
+    shown = tisph_command("run", "case.yaml").stdout
+    header, _, first, second, reason, cost = [line.split("|") for line in shown.splitlines()[:6]]
+    assert [cell.strip() for cell in header[1:-1]] == ["sample", "t [s]", "L2 error", "wall shear top", "resolved"]
+    assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no"]
+    assert [cell.strip() for cell in second[2:-1]] == ["2.7", "1.23e-03", "0.125", "yes"]
+    assert reason == ["sample 0 is not resolved: the layer is too thin"]
+    assert cost == ["10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for output, 0.5 s getting ready"]
+    assert shown.splitlines()[6].startswith("results in ")
+
+
+def test_where_the_flow_decays_the_error_is_over_its_reference_speed(case, simulation):
+    oscillating = ["--set", "walls.top={amplitude: 0.5, angular_frequency: 1}"]
+    shown = tisph_command("run", "case.yaml", *oscillating).stdout.splitlines()
+    assert "rms error / U" in shown[0]
+    assert "4.00e-04" in shown[2]
+
+
+def test_a_quiet_run_prints_errors_only(case, simulation):
+    warned = ["--set", "scheme.equation_of_state={sound_speed: 2.0}"]
+    assert "warning" in tisph_command("run", "case.yaml", *warned).stderr
+    assert tisph_command("run", "case.yaml", *warned, "--overwrite", "--quiet").output == ""
+    simulation.error = DivergedError("density of particle 7")
+    failed = tisph_command("run", "case.yaml", "--overwrite", "--quiet")
+    assert (failed.exit_code, failed.stdout) == (3, "")
+    assert failed.stderr.startswith("error: density of particle 7")
+
+
+def test_samples_and_cost_as_json_are_all_of_the_output(case, simulation):
+    printed = json.loads(tisph_command("run", "case.yaml", "--json").stdout)
+    assert printed == {"status": "done", "samples": [SAMPLE], "cost": COST}
+
+
+def test_run_passes_overrides_on(case, simulation):
+    tisph_command("run", "case.yaml", "--set", "name=other", "--out", "here")
+    assert simulation.calls == [("other", Path("here"), True, True, False)]
+
+
+def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatch):
+    from tisph.studies import error_estimate
+
+    def report(self):
+        assert (self.root / "summary.json").is_file()
+        return "error 1e-5"
+
+    monkeypatch.setattr(error_estimate.Coarser, "run", lambda self: simulation.calls.append(self.names))
+    monkeypatch.setattr(error_estimate.Coarser, "report", report)
+    done = tisph_command("run", "case.yaml", "--estimate-error")
+    assert done.exit_code == 0
+    assert done.stdout.endswith("\nerror 1e-5\n")
+    assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, True, False)]
+
+
+def test_with_too_few_particles_for_coarser_runs_there_is_a_finer_one(case, simulation, monkeypatch):
+    monkeypatch.setattr("tisph.studies.error_estimate.Coarser.report", lambda self: " ".join(self.names))
+    done = tisph_command("run", "case.yaml", "--estimate-error", "--set", "discretisation.particles_across=10")
+    assert (done.exit_code, len(simulation.calls)) == (0, 1)
+    assert "needs a run with about 5 particles across" in done.stderr
+    told = "after the run a finer one, 15 across, tells the error instead: about [0-9]+ to [0-9]+ steps"
+    assert re.search(told, done.stderr)
+    assert done.stdout.endswith("across_15\n")
+
+
+def test_full_folder_is_refused(case, simulation):
+    Path("full").mkdir()
+    Path("full/notes.txt").write_text("mine")
+    result = tisph_command("run", "case.yaml", "--out", "full")
+    assert result.exit_code == 2
+    assert "--out full: the folder is not empty" in result.stderr
+    assert [path.name for path in Path("full").iterdir()] == ["notes.txt"]
+
+
+def test_overwrite_removes_results_and_nothing_else(case, simulation):
+    Path("full").mkdir()
+    for name in (*RESULTS, "notes.txt"):
+        Path("full", name).write_text("old")
+    assert tisph_command("run", "case.yaml", "--out", "full", "--overwrite").exit_code == 0
+    assert sorted(path.name for path in Path("full").iterdir()) == ["notes.txt", "summary.json"]
+
+
+def test_resume_needs_a_checkpoint(case, simulation):
+    Path("old").mkdir()
+    result = tisph_command("run", "case.yaml", "--out", "old", "--resume")
+    assert result.exit_code == 2
+    assert "no checkpoint.h5 in old" in result.stderr
+    Path("old/checkpoint.h5").write_text("")
+    assert tisph_command("run", "case.yaml", "--out", "old", "--resume").exit_code == 0
+    assert simulation.calls == [("case", Path("old"), True, True, True)]
+
+
+@pytest.mark.parametrize("how", [[], ["--overwrite"], ["--resume"]])
+def test_a_folder_in_use_is_said_to_be_in_use(case, simulation, how):
+    with held(Path("out")):
+        Path("out/checkpoint.h5").write_text("")
+        result = tisph_command("run", "case.yaml", "--out", "out", *how)
+        assert (case / "out/.lock").exists()
+    assert result.exit_code == 2
+    assert result.stderr == "error: --out out: is in use, another run is writing there; choose another folder\n"
+    assert simulation.calls == []
+
+
+@pytest.mark.parametrize("error", [None, TisphError("no encoder"), KeyboardInterrupt()])
+def test_no_lock_is_left_whatever_ends_a_run(case, simulation, error):
+    simulation.error = error
+    tisph_command("run", "case.yaml", "--out", "out")
+    assert [path.name for path in Path("out").iterdir()] == ["summary.json"]
+
+
+def test_a_part_of_the_matrix_that_there_is_not():
+    done = tisph_command("stress", "--only", "twists")
+    assert done.exit_code == 2
+    assert "no sub-matrix has 'twists' in its title" in " ".join(done.stderr.split())
+
+
+@pytest.mark.parametrize(
+    ("met", "status", "verdict"),
+    [
+        ((True, True), 0, "2 of 2 cells meet their requirement"),
+        ((True, False), 1, "1 of 2 cells meet their requirement; FAIL: b"),
+    ],
+)
+def test_the_matrix_ends_with_a_verdict(case, monkeypatch, met, status, verdict):
+    from tisph.studies import stability_report
+
+    def leave_numbers(folder, *_):
+        cells = [{"name": name, "met": each} for name, each in zip("ab", met, strict=True)]
+        folder.mkdir()
+        (folder / "stress.json").write_text(json.dumps({"cells": cells}))
+        return all(met)
+
+    monkeypatch.setattr(stability_report, "run", leave_numbers)
+    done = tisph_command("stability", "--quick", "--out", "matrix")
+    assert (done.exit_code, done.stdout.splitlines()[-1]) == (status, verdict)
+
+
+@pytest.mark.parametrize("command", [["run", "case.yaml"], ["bench"], ["stress"], ["verify", "--walls"]])
+@pytest.mark.parametrize("name", ["", " "])
+def test_an_empty_name_is_not_the_current_folder(case, simulation, command, name):
+    result = tisph_command(*command, "--out", name)
+    assert result.exit_code == 2
+    assert "the name is empty; give a folder" in " ".join(result.stderr.split())
+    assert simulation.calls == []
+
+
+def test_resume_and_overwrite_exclude_each_other(case, simulation):
+    assert tisph_command("run", "case.yaml", "--resume", "--overwrite").exit_code == 2
+
+
+@pytest.mark.parametrize("folder", ["case.yaml", "case.yaml/below", "x" * 300])
+def test_unwritable_folder(case, simulation, folder):
+    result = tisph_command("run", "case.yaml", "--out", folder)
+    assert result.exit_code == 2
+    assert "cannot be written" in result.stderr
+    assert simulation.calls == []
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "message"),
+    [
+        (
+            DivergedError("density of particle 7"),
+            3,
+            f"density of particle 7\npartial results are in {Path('runs/case')}",
+        ),
+        (TisphError("no encoder"), 1, "error: no encoder"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+    ],
+)
+def test_exit_status_of_a_run(case, simulation, error, status, message):
+    simulation.error = error
+    result = tisph_command("run", "case.yaml")
+    assert result.exit_code == status
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_check_prints_what_the_run_would_be(case):
+    result = tisph_command("check", "case.yaml")
+    assert result.exit_code == 0
+    for text in ("Reynolds number        50", "Mach number            0.1", "acoustic", "2970 to 3000 from", "5000"):
+        assert text in result.stdout
+    assert "warning" not in result.stdout
+    assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
+
+
+def test_check_warns_of_a_low_sound_speed(case):
+    result = tisph_command("check", "case.yaml", "--set", "scheme={type: wcsph, equation_of_state: {sound_speed: 2.0}}")
+    assert "warning: the Mach number is above 0.1" in result.stdout
+
+
+# kinematic viscosity, stiffness -> sound speed and binding limit, by hand for U = 0.5, gap 1, h = 0.02:
+# acoustic step 0.25 h / (c + U), viscous step 0.125 h^2 / nu; 10 sqrt(nu U / gap) = 20 for nu = 8
+@pytest.mark.parametrize(
+    ("viscosity", "stiffness", "sound", "limit", "step"),
+    [
+        (0.01, "{}", 5.0, "acoustic", 0.005 / 5.5),
+        (0.1, "{}", 5.0, "viscous", 5e-5 / 0.1),
+        (8.0, "{}", 20.0, "viscous", 5e-5 / 8.0),
+        (0.01, "{sound_speed: 9.5}", 9.5, "acoustic", 5e-4),
+        (0.01, "{bulk_modulus: 400.0}", 20.0, "acoustic", 0.005 / 20.5),
+    ],
+)
+def test_estimates(case, viscosity, stiffness, sound, limit, step):
+    overrides = [
+        f"fluid.kinematic_viscosity={viscosity}",
+        f"scheme={{type: wcsph, equation_of_state: {stiffness}}}",
+    ]
+    numbers = estimates(load("case.yaml", overrides))
+    assert numbers["sound_speed"] == pytest.approx(sound, rel=1e-14)  # a few roundings
+    assert numbers["binding_limit"] == limit
+    assert numbers["time_step"] == pytest.approx(step, rel=1e-14)
+
+
+def test_steps_end_on_every_target():
+    # 0 -> 1 takes 4 steps of at most 0.3, 1 -> 1.5 takes 2; an exact multiple costs no extra step
+    assert step_counts(0.0, [1.0, 1.5, 1.5], 0.3) == [4, 6, 6]
+    assert step_counts(0.0, [0.3], 0.1) == [3]
+
+
+def test_list(case):
+    everything = tisph_command("list").stdout
+    assert "walls\n" in everything
+    assert "kernels\n" in everything
+    assert "comoving_image" in tisph_command("list", "walls").stdout
+    unknown = tisph_command("list", "wals")
+    assert unknown.exit_code == 2
+    assert "must be one of scenes, walls" in unknown.stderr
+
+
+@pytest.mark.parametrize(("passed", "status"), [(True, 0), (False, 1)])
+def test_verify_tells_by_its_status(monkeypatch, passed, status):
+    calls = []
+    called = lambda *given: calls.append(given) or passed  # noqa: E731
+    suite = types.SimpleNamespace(run=called)
+    monkeypatch.setitem(sys.modules, "tisph.studies.verify", suite)
+    import tisph.studies
+
+    monkeypatch.setattr(tisph.studies, "verify", suite, raising=False)
+    assert tisph_command("verify", "--quick").exit_code == status
+    assert tisph_command("verify", "free_bodies", "--long").exit_code == status
+    whole, part = calls
+    assert whole == (None, True, False, None, False)
+    assert part == ("free_bodies", False, True, None, False)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["free_bodys"], "no suite 'free_bodys'; nearest: free_bodies"),
+        (["bodies", "--walls"], "a SUITE is not for --walls and --page"),
+        (["--long"], "--long is for a SUITE"),
+        (["free_bodies", "--quick", "--long"], "--long is for a SUITE, without --quick"),
+    ],
+)
+def test_a_suite_that_cannot_be_run_is_bad_input(arguments, message):
+    result = tisph_command("verify", *arguments)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert message in result.stderr
+
+
+def test_render(case, simulation):
+    assert tisph_command("render", ".").exit_code == 2
+    Path("config.resolved.yaml").write_text("")
+    simulation.drawn = [Path("profiles.png")]
+    done = tisph_command("render", ".", "--set", "output.video.fps=10")
+    assert (done.exit_code, done.output) == (0, "profiles.png\n")
+    assert simulation.calls == [(Path("."), ["output.video.fps=10"], False)]
+
+
+def test_module_entry_point(case):
+    """``python -m tisph`` from a shell: the status arrives, and standard output stays empty on an error."""
+    done = subprocess.run(
+        [sys.executable, "-m", "tisph", "check", str(case / "bad.yaml")], cwd=ROOT, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: ")

@@ -1,0 +1,400 @@
+"""Start-up between cylinders and along pipes: against modes, series, steady closed forms and the plane."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from oracles._annulus_modes import modes, shear_rates, velocities
+from oracles.circular_couette import CircularCouette, Rotation
+from polymer_laws import law, steady_shear
+from scipy.integrate import quad
+from scipy.special import jn_zeros, jv
+
+from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, PipeStartUp, StartUp, ViscoelasticFluid, Wall
+from tisph.geometry.motion import Schedule, WallMotion
+from tisph.rheology import power_law
+
+R = np.linspace(1.0, 2.0, 41)
+PANELS = 0.0, 0.1, 0.3, 1.0
+"""Ends of the parts of an interval, finer where starts are steeper."""
+
+INSIDE = np.array([1.05, 1.2, 1.5, 1.9])
+ACCURACY = 1e-8
+"""That the module promises, relative to the largest value in the gap."""
+
+
+def liquid(kind, fraction=0.1, relaxation_time=1.0):
+    """A liquid of total viscosity 1 with one of KINDS as its polymer."""
+    return ViscoelasticFluid(fraction, (law(kind, viscosity=1.0 - fraction, relaxation_time=relaxation_time),))
+
+
+def start_up(now, inner=1.0, outer=0.0, before=None, radii=(1.0, 2.0), **elements):
+    walls = [Wall(speed) for speed in (inner, outer)]
+    return CircularStartUp(*radii, now, *walls, before and tuple(map(Wall, before)), **elements)
+
+
+@lru_cache
+def shared(kind):
+    """Start-up with the inner cylinder that several tests look at."""
+    return start_up(liquid(kind))
+
+
+def points(edges):
+    """Points and weights of Gauss's rule in each part between ``edges``."""
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    low, high = np.array(edges[:-1])[:, None], np.array(edges[1:])[:, None]
+    return ((high + low + (high - low) * nodes) / 2).ravel(), ((high - low) / 2 * weights).ravel()
+
+
+def apart(found, expected):
+    return np.max(np.abs(found - expected)) / np.max(np.abs(expected))
+
+
+def test_without_polymer_it_is_newtonian_flow():
+    """The layer's closed form leaves the walls' curvature to the equations."""
+    radii = (0.2, 1.2)
+    found = start_up(ViscoelasticFluid(1.0, (law("oldroyd_b", viscosity=0.0),)), 0.3, -0.7, radii=radii)
+    expected = CircularCouette(*radii, 1.0, Rotation(0.3), Rotation(-0.7))
+    r = np.linspace(*radii, 41)
+    for t in (1e-5, 0.01, 0.1):
+        assert apart(found.velocity(r, t), expected.velocity(r, t)) < 1e-11
+        assert apart(found.shear_rate(r, t), expected.shear_rate(r, t)) < 1e-11
+        assert apart(np.array(found.torque(t, density=3.0)), np.array(expected.torque(t, density=3.0))) < 1e-11
+    pressure = expected.pressure(r, 0.1, density=3.0)
+    assert apart(found.pressure(r, 0.1, density=3.0), pressure) < 1e-11
+
+
+@pytest.mark.parametrize("times", [(0.0, 0.2, 0.2), (0.0, 0.1, 0.2)], ids=["pulse", "triangle"])
+def test_cylinders_with_velocities_at_times_sum_up_starts(times):
+    """Newtonian flow is linear in what its walls do: starts at each jump, and their integrals from each kink on."""
+    wall = Schedule(times, (1.0, 1.0, 0.0) if times[1] == 0.2 else (0.0, 1.0, 0.0))
+    found = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.7, ()), wall, Wall())
+    unit = CircularCouette(1.0, 2.0, 0.7, Rotation(1.0), Rotation(0.0))
+    places, weights = points(PANELS)
+
+    def expected(of, t):
+        parts = [(t - begin, jump, bend) for begin, jump, bend in wall.breakpoints if t > begin]
+        total = sum(jump * of(since) for since, jump, _ in parts if jump)
+        for since, _, bend in parts:  # in the root of the time, of which a start is smooth
+            terms = zip(places, weights, strict=True) if bend else ()
+            total = total + bend * sum(2.0 * since * w * q * of(since * q * q) for q, w in terms)
+        return total
+
+    assert apart(found.velocity(INSIDE, 0.25), expected(lambda t: unit.velocity(INSIDE, t), 0.25)) < ACCURACY
+    torque = expected(lambda t: np.array(unit.torque(t, density=3.0)), 0.25)
+    assert apart(np.array(found.torque(0.25, density=3.0)), torque) < ACCURACY
+
+
+def oldroyd_modes(r, t, fraction, relaxation_time, count=2000):
+    """Velocity and S_rt when the inner cylinder of (1, 2) begins to turn with 1: total viscosity 1, ``r`` (radii,).
+
+    u = steady + sum a_n u_n and S = steady part * (1 - exp(-t/lambda)) + sum b_n (rate of u_n), where
+    da/dt = -nu_s k^2 a - k^2 b and db/dt = -b/lambda + G a. Terms of S fall with n^-2 and change sign: the last ones
+    are faded out, which leaves less than any power of 1/count inside.
+    """
+    k, quotient = modes(2.0, count)
+    fading = np.exp(-36 * (np.arange(count) / count) ** 6)
+    start = fading * np.pi / (quotient**2 - 1)  # -c_n of the module circular_couette
+    modulus = (1 - fraction) / relaxation_time
+    half, whole = fraction * k**2 - 1 / relaxation_time, fraction * k**2 + 1 / relaxation_time
+    root = np.sqrt((half**2 - 4 * modulus * k**2).astype(complex))
+    grown = np.exp((root - whole) * t / 2), np.exp((-root - whole) * t / 2)
+    swing, mean = (grown[0] - grown[1]) / root, (grown[0] + grown[1]) / 2
+    a, b = start * (mean - half * swing / 2).real, start * modulus * swing.real
+    steady = CircularCouette(1.0, 2.0, 1.0, Rotation(1.0), Rotation(0.0))
+    u = steady.settled_velocity(r) + a @ velocities(k[:, None], r)
+    settled = (1 - fraction) * (1 - math.exp(-t / relaxation_time)) * steady.settled_shear_rate(r)
+    return u, settled + b @ shear_rates(k[:, None], r)
+
+
+def test_oldroyd_b_follows_its_modes():
+    found = shared("oldroyd_b")
+    for t in (0.02, 0.5, 3.0):
+        u, stress = oldroyd_modes(INSIDE, t, 0.1, 1.0)
+        assert apart(found.velocity(INSIDE, t), u) < ACCURACY
+        assert apart(found.polymer_stress(INSIDE, t)[1], stress) < ACCURACY
+
+    def grown(time, r=1.5):
+        decay = math.exp(time - 0.5)
+        return decay * 2 * found.shear_rate(r, time) * found.polymer_stress(r, time)[1]
+
+    along, _, across = found.polymer_stress(1.5, 0.5)
+    largest = found.polymer_stress(R, 0.5)[0].max()
+    assert abs(along - quad(grown, 0.0, 0.5, epsabs=1e-9, limit=200)[0]) < ACCURACY * largest
+    assert across == 0
+
+
+@pytest.mark.parametrize("kind", ["oldroyd_b", "giesekus"])
+def test_flows_end_as_closed_forms_say(kind):
+    """In the end r^2 times the shear stress is the same everywhere, and the polymer's is that of the rate there."""
+    now, found, t = liquid(kind), shared(kind), 60.0
+    stress, rate = found.polymer_stress(R, t), found.shear_rate(R, t)
+    moment = R**2 * (now.flux(rate) + stress[1])
+    assert np.allclose(moment, moment[0], rtol=ACCURACY)
+    torques = found.torque(t, density=2.0)
+    assert torques == pytest.approx((4 * np.pi * moment[0], -4 * np.pi * moment[0]), rel=ACCURACY)
+    for k, slope in enumerate(rate):
+        expected = now.laws[0].stress(steady_shear(kind, abs(slope)))[:3]
+        assert np.allclose(stress[:, k] * [1, -1, 1], expected, rtol=1e-7, atol=ACCURACY)
+    if kind == "oldroyd_b":
+        assert apart(found.velocity(R, t), 4 / 3 / R - R / 3) < ACCURACY
+        assert apart(stress[0] - stress[2], 2 * 0.9 * rate**2) < ACCURACY
+
+
+def test_pressure_balances_hoop_stress_and_inertia():
+    """dp/dr by differences, of a liquid with all normal stresses; no mean over the area."""
+    found, t, step = shared("giesekus"), 0.4, 1e-4
+    along, _, across = found.polymer_stress(INSIDE, t)
+    steps = step * np.array([-2.0, -1.0, 1.0, 2.0])
+    around = INSIDE[:, None] + steps
+
+    def slope(values):
+        return values @ np.array([1.0, -8.0, 8.0, -1.0]) / (12 * step)
+
+    expected = found.velocity(INSIDE, t) ** 2 / INSIDE + (across - along) / INSIDE
+    expected += slope(found.polymer_stress(around, t)[2])
+    pressure = found.pressure(around, t, density=2.0)
+    assert apart(slope(pressure), 2.0 * expected) < 1e-8  # rounding, 1e-13 over the step
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    r = 1.5 + 0.5 * nodes
+    assert abs(np.sum(weights * r * found.pressure(r, t, density=2.0))) < 1e-9
+    assert not np.any(found.pressure(R, 0.0, density=2.0))
+
+
+def test_another_order_changes_nothing():
+    one, other = shared("giesekus"), start_up(liquid("giesekus"), order=18, finest=5e-4)
+    for t in (1e-3, 0.01):
+        assert apart(one.velocity(R, t), other.velocity(R, t)) < ACCURACY
+        for mine, its in zip(one.polymer_stress(R, t), other.polymer_stress(R, t), strict=True):
+            assert apart(mine, its) < 3 * ACCURACY
+
+
+def test_a_narrow_gap_is_a_plane_channel():
+    """To first order in gap/radius: errors of two gaps differ by ten."""
+    now, time, heights = liquid("giesekus"), 0.06, np.linspace(0.0, 1.0, 21)
+    coarse = {"order": 10, "finest": 0.03}
+    plane, errors = StartUp(now, Flow(1.0, bottom=Wall(1.0)), **coarse), []
+    for radius in (1e3, 1e4):
+        found = start_up(now, 1 / radius, radii=(radius, radius + 1), **coarse)
+        errors.append(
+            [
+                apart(found.velocity(radius + heights, time), plane.velocity(heights, time)),
+                apart(found.polymer_stress(radius + heights, time), plane.polymer_stress(heights, time)),
+            ]
+        )
+    assert max(errors[0]) < 5e-3
+    assert np.divide(*errors) == pytest.approx([10.0, 10.0], rel=0.05)
+
+
+def test_it_goes_on_from_a_developed_flow():
+    now = liquid("oldroyd_b", 0.3, 0.5)
+    found = start_up(now, 0.0, before=(1.0, 0.0))
+    turning = 4 / 3 / R - R / 3
+    assert apart(found.velocity(R, 1e-9)[5:], turning[5:]) < ACCURACY  # inside of the layer
+    assert apart(found.polymer_stress(R, 0.0)[1], 0.7 * -8 / 3 / R**2) < ACCURACY
+    balance = CircularCouette(1.0, 2.0, 1.0, Rotation(1.0), Rotation(0.0))
+    hoop = 2 * 0.7 * 0.5 * (8 / 3) ** 2 * R**-4 / 4  # of -int N1/r dr
+    difference = found.pressure(R, 0.0, density=1.0) - balance.pressure(R, 0.0, density=1.0, settled=True) - hoop
+    assert np.ptp(difference) < ACCURACY * hoop[0]
+
+
+def test_a_fluid_in_one_cylinder_spins_up():
+    """u = r + 2 sum J1(k r)/(k J0(k)) exp(-k^2 t), k the roots of J1, of unit radius, viscosity, angular velocity.
+
+    From G. K. Batchelor, An Introduction to Fluid Dynamics, section 4.5. Pressure in the end: r^2/2 less its mean, 1/4.
+    """
+    found = CircularStartUp(0.0, 1.0, ViscoelasticFluid(1.0, ()), None, Wall(1.0))
+    r, k = np.linspace(0.0, 1.0, 41), jn_zeros(1, 2000)[:, None]
+    for t in (1e-5, 1e-3, 0.1, 1.0):
+        decay = 2 * np.exp(-(k**2) * t) / jv(0, k)
+        assert apart(found.velocity(r, t), r + (decay / k * jv(1, k * r)).sum(axis=0)) < 1e-11
+        # relative to the angular velocity, over the depth of the layer while there is one
+        error = found.shear_rate(r, t) + (decay * jv(2, k * r)).sum(axis=0)
+        assert np.max(np.abs(error)) < 1e-11 / min(1.0, np.sqrt(t))
+    assert np.max(np.abs(found.pressure(r, 5.0, density=3.0) - 3.0 * (r**2 / 2 - 0.25))) < 1e-10
+    assert np.max(np.abs(found.torque(5.0, density=3.0))) < 1e-10
+
+
+@pytest.mark.parametrize("kind", ["giesekus", "power_law"])
+def test_other_fluids_in_one_cylinder_end_in_rigid_rotation(kind):
+    """And their angular momentum, of the density 3, grows by the torque."""
+    numbers = power_law.Parameters(index=0.5, reference_rate=1.0, least_rate=1e-3)
+    now = liquid(kind) if kind == "giesekus" else InelasticFluid(numbers.law(1.0, 1.0), 1.0)
+    found = CircularStartUp(0.0, 1.0, now, None, Wall(1.0))
+    r, weights = points((0.0, 0.25, 0.5, 0.75, 0.9, 1.0))
+    before, after = (6 * np.pi * weights @ (r**2 * found.velocity(r, t)) for t in (0.01, 0.16))
+    roots, weights = points((0.1, 0.15, 0.2, 0.3, 0.4))
+    taken = -2 * weights @ (roots * found.torque(roots**2, density=3.0)[1])
+    r = np.linspace(0.0, 1.0, 41)
+    assert apart(found.velocity(r, 25.0), r) < ACCURACY
+    assert taken == pytest.approx(after - before, rel=ACCURACY)
+
+
+def test_what_is_no_annulus_is_refused():
+    with pytest.raises(ValueError, match="grow outwards"):
+        start_up(liquid("giesekus"), radii=(2.0, 1.0))
+
+
+@pytest.mark.parametrize("index", [0.5, 1.5])
+def test_steady_flow_of_a_power_law(index):
+    """r^2 K rate^n is constant: u/r is a constant and r^(-2/n) (Bird, Armstrong and Hassager 1987, section 4.2)."""
+    parameters = power_law.Parameters(index=index, reference_rate=1.0, least_rate=1e-3)
+    found = start_up(InelasticFluid(parameters.law(1.0, 1.0), 1.0))
+    steepness, t = 2.0 / index, 10.0
+    scale = 1.0 / (1.0 - 2.0**-steepness)
+    expected = R * scale * (R**-steepness - 2.0**-steepness)
+    # the least rate, 1e-3 of those of the flow, changes viscosities by 1e-6 of themselves
+    assert apart(found.velocity(R, t), expected) < 1e-6
+    torque = 2 * np.pi * 3.0 * (steepness * scale) ** index
+    assert np.allclose(found.torque(t, density=3.0), (-torque, torque), rtol=1e-6)
+
+
+RADII = np.linspace(0.0, 1.0, 41)
+ROOTS = jn_zeros(0, 2000)[:, None]
+UNIT = 2 / (ROOTS * jv(1, ROOTS))
+"""Coefficients of 1 = sum UNIT J0(ROOTS r)."""
+
+NEWTONIAN, REST = ViscoelasticFluid(1.0, ()), (Wall(), Wall())
+
+
+def pipe(fluid, walls=REST, before=None, inner=0.0, **drive):
+    return PipeStartUp((inner, 1.0), fluid, walls, before, **drive)
+
+
+def oldroyd_b(fraction):
+    return ViscoelasticFluid(fraction, (law("oldroyd_b", viscosity=1.0 - fraction, relaxation_time=1.0),))
+
+
+def powers(index, least_rate=1e-4):
+    numbers = power_law.Parameters(index=index, reference_rate=1.0, least_rate=least_rate)
+    return InelasticFluid(numbers.law(1.0, 1.0), 1.0)
+
+
+def test_a_pipe_from_rest_is_that_of_szymanski():
+    """u = (1 - r^2)/4 - sum UNIT J0(k r)/k^2 exp(-k^2 t)."""
+    found = pipe(NEWTONIAN, acceleration=3.0)
+    for t in (1e-5, 1e-3, 0.1, 1.0):
+        decay = 3 * UNIT * np.exp(-(ROOTS**2) * t) / ROOTS**2
+        u = 0.75 * (1 - RADII**2) - (decay * jv(0, ROOTS * RADII)).sum(axis=0)
+        rate = -1.5 * RADII + (decay * ROOTS * jv(1, ROOTS * RADII)).sum(axis=0)
+        # the series ends where its terms are 2/k^4 = 1e-15, the slope's 2/k^3 = 1e-12, of a layer of 1e-5
+        assert apart(found.velocity(RADII, t), u) < ACCURACY
+        assert apart(found.shear_rate(RADII, t), rate) < ACCURACY
+        assert found.force(t, density=2.0) == pytest.approx((0.0, -4 * np.pi * rate[-1]), rel=ACCURACY)
+
+
+def test_a_pipe_that_jumps_carries_its_fluid_along():
+    """The layer's closed form, over half of the pipe, leaves the curvature to the equations."""
+    found = pipe(NEWTONIAN, (None, Wall(1.0)))
+    for t in (1e-5, 1e-3, 0.1, 1.0):
+        decay = UNIT * np.exp(-(ROOTS**2) * t)
+        assert apart(found.velocity(RADII, t), 1 - (decay * jv(0, ROOTS * RADII)).sum(axis=0)) < 1e-11
+        error = found.shear_rate(RADII, t) - (decay * ROOTS * jv(1, ROOTS * RADII)).sum(axis=0)
+        # round-off, of a polynomial's slope at the axis: up to 1.7e-11 at t = 1, on some processors
+        assert np.max(np.abs(error)) < 5e-11 / min(1.0, np.sqrt(t))
+
+
+@pytest.mark.parametrize("frequency", [1.0, 400.0])
+def test_an_oscillating_pressure_gradient_is_that_of_womersley(frequency):
+    """Periodic flow, from rest less what decays of it: UNIT Re[A/(iw + k^2)] of each mode."""
+    swing, amplitude = WallMotion(0.3, 1.0, frequency), 0.3 - 1.0j
+    rest, periodic = (pipe(NEWTONIAN, before=b, pulsation=swing, acceleration=2.0) for b in (None, REST))
+    inelastic = pipe(powers(1.0), pulsation=swing, acceleration=2.0)
+    root = np.sqrt(-1j * frequency)
+    for t in (0.01, 0.1, 3.0):
+        profile = amplitude / (1j * frequency) * (1 - jv(0, root * RADII) / jv(0, root))
+        u = (profile * np.exp(1j * frequency * t)).real + (1 - RADII**2) / 2
+        start = (amplitude / (1j * frequency + ROOTS**2)).real + 2 / ROOTS**2
+        decay = (UNIT * start * np.exp(-(ROOTS**2) * t) * jv(0, ROOTS * RADII)).sum(axis=0)
+        assert apart(periodic.velocity(RADII, t), u) < 1e-12
+        assert apart(rest.velocity(RADII, t), u - decay) < ACCURACY
+        if t < 1.0:  # step by step
+            assert apart(inelastic.velocity(RADII, t), u - decay) < 2 * ACCURACY
+
+
+def test_what_oscillated_before_decays():
+    """The wall is at rest as it is at t = 0, the fluid is not: Re[-i k^2/(iw + k^2)] of each mode decays."""
+    swing = WallMotion(0.0, 1.0, 5.0)
+    found, before = pipe(NEWTONIAN, before=(None, swing)), pipe(NEWTONIAN, (None, swing), (None, swing))
+    assert apart(found.velocity(RADII, 0.0), before.velocity(RADII, 0.0)) < 1e-12
+    first = -UNIT * (5j / (5j + ROOTS**2) * -1j).real  # of J0(ROOTS r) at t = 0
+    u = (first * np.exp(-(ROOTS**2) * 0.1) * jv(0, ROOTS * RADII)).sum(axis=0)
+    assert apart(found.velocity(RADII, 0.1), u) < ACCURACY
+
+
+def test_an_annular_pipe_follows_its_modes():
+    """Acceleration 1 and an inner pipe that jumps: steady flow less pi (1/(k^2 (q + 1)) - 1/(q^2 - 1)) u_n.
+
+    Radii 1/3 and 1; the first part by twofold partial integration of a mode over r dr, the second of ``modes``.
+    """
+    inner, walls = 1 / 3, (Wall(1.0), Wall())
+    found, r = pipe(NEWTONIAN, walls, None, inner, acceleration=1.0), np.linspace(1 / 3, 1.0, 41)
+    k, quotient = modes(3.0, 2000, 0)
+    share = np.log(r) / np.log(inner)
+    steady = share + (1 - r**2 - (1 - inner**2) * share) / 4
+    coefficients = np.pi * (inner**2 / (k**2 * (quotient + 1)) - 1 / (quotient**2 - 1))
+    for t in (1e-5, 1e-3, 0.1, 1.0):
+        decay = coefficients * np.exp(-((k / inner) ** 2) * t)
+        assert apart(found.velocity(r, t), steady - decay @ velocities(k[:, None], r / inner, 0)) < ACCURACY
+    forces = found.force(5.0, density=2.0)
+    assert sum(forces) == pytest.approx(2 * np.pi * (1 - inner**2), rel=ACCURACY)
+    developed = pipe(NEWTONIAN, walls, walls, inner, acceleration=1.0)
+    assert apart(developed.velocity(r, 0.3), steady) < 1e-12
+
+
+def pipe_modes(r, t, fraction):
+    """Velocity and S_xr from rest, acceleration and relaxation time 1, as in ``test_circular_start_up``.
+
+    u = sum (UNIT/k^2 + a) J0(k r) and S = (1 - fraction) sum (UNIT/k^2 + b) d/dr J0(k r), da/dt = -nu_s k^2 a -
+    nu_p k^2 b, db/dt = a - b, both -UNIT/k^2 at first.
+    """
+    k, fading = ROOTS, np.exp(-36 * (np.arange(len(ROOTS)) / len(ROOTS)) ** 6)[:, None]
+    half, whole = fraction * k**2 - 1, fraction * k**2 + 1
+    root = np.sqrt((half**2 - 4 * (1 - fraction) * k**2).astype(complex))
+    grown = np.exp((root - whole) * t / 2), np.exp((-root - whole) * t / 2)
+    swing, mean = ((grown[0] - grown[1]) / root).real, ((grown[0] + grown[1]) / 2).real
+    start = -UNIT / k**2 * fading
+    a, b = start * (mean - swing * (half / 2 + (1 - fraction) * k**2)), start * (mean + swing * (1 + half / 2))
+    u = (1 - r**2) / 4 + (a * jv(0, k * r)).sum(axis=0)
+    return u, -(1 - fraction) * (r / 2 + (b * k * jv(1, k * r)).sum(axis=0))
+
+
+def test_oldroyd_b_follows_its_modes_to_the_parabola():
+    found, r = pipe(oldroyd_b(0.1), acceleration=1.0), np.array([0.0, 0.1, 0.5, 0.9])
+    for t in (0.02, 0.5, 3.0):
+        u, stress = pipe_modes(r, t, 0.1)
+        assert apart(found.velocity(r, t), u) < ACCURACY
+        assert apart(found.polymer_stress(r, t)[1], stress) < ACCURACY
+    t = 60.0
+    assert apart(found.velocity(RADII, t), (1 - RADII**2) / 4) < ACCURACY
+    along, _, across = found.polymer_stress(RADII, t)
+    assert apart(along, 2 * 0.9 * (RADII / 2) ** 2) < ACCURACY
+    assert not np.any(across)
+    (excess,) = found.conformation_excess(RADII, t)
+    assert apart(excess[1], -RADII / 2) < ACCURACY
+
+
+def test_the_shear_stress_of_developed_flow_is_linear():
+    fluid = ViscoelasticFluid(0.1, (law("giesekus", viscosity=0.9, relaxation_time=1.0),))
+    found = pipe(fluid, before=REST, acceleration=4.0)
+    for t in (0.0, 1.0):
+        assert apart(found.shear_stress(RADII, t), -2 * RADII) < ACCURACY
+
+
+@pytest.mark.parametrize("index", [0.5, 1.5])
+def test_steady_flow_of_a_power_law_in_a_pipe(index):
+    """u = n/(n + 1) (1 - r^(1 + 1/n)), of the shear stress -r (Bird, Armstrong and Hassager 1987, section 4.2)."""
+    found, n = pipe(powers(index), acceleration=2.0), index
+    expected = n / (n + 1) * (1 - RADII ** (1 + 1 / n))
+    # rates up to the least rate, 1e-4, differ, up to r = 0.01 at n = 0.5: 1e-6 of a velocity of 1/3
+    assert apart(found.velocity(RADII, 20.0), expected) < 5e-6
+    # that of the elements next to the axis at n = 1.5, where the stress bends
+    assert apart(found.shear_stress(RADII, 20.0), -RADII) < 5e-6
+
+
+def test_what_is_no_pipe_is_refused():
+    with pytest.raises(ValueError, match="grow outwards"):
+        pipe(NEWTONIAN, inner=-0.1)
+    with pytest.raises(ValueError, match="only a Newtonian fluid has a periodic flow"):
+        pipe(oldroyd_b(0.5), before=REST, pulsation=WallMotion(1.0, 0.0, 2.0))

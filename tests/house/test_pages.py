@@ -1,0 +1,263 @@
+"""Pages of the documentation: links, commands, keys, equations and messages that they name exist."""
+
+import re
+from pathlib import Path
+
+import _command_line
+import _gallery as gallery
+import _reference as reference
+import pytest
+import typer
+
+import tisph
+from tisph import cli, config, registry
+from tisph.config import checks
+
+ROOT = Path(tisph.__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+GENERATED = ("gallery/", "tutorials/", "reference/keys.md", "reference/command-line.md")
+"""Pages that are made with the site, which is strict about links."""
+COMMANDS = set(typer.main.get_command(cli.app).commands)
+
+
+def anchors(path):
+    """Anchors of the headings of a page, as the usual forges make them."""
+    headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    plain = [re.sub(r"[`*]|\[(.*?)\]\(.*?\)", r"\1", heading).lower() for heading in headings]
+    return {re.sub(r"[^\w\- ]", "", heading).strip().replace(" ", "-") for heading in plain}
+
+
+def test_readme_names_every_command():
+    named = set(re.findall(r"tisph ([a-z]+)", (ROOT / "README.md").read_text(encoding="utf-8")))
+    assert named >= COMMANDS
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_commands_in_blocks_exist(path):
+    blocks = re.findall(r"^```[a-z]*\n(.*?)^```", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    named = {name for block in blocks for name in re.findall(r"^tisph ([a-z]+)", block, flags=re.MULTILINE)}
+    assert named <= COMMANDS
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_lead_somewhere(path):
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if link.startswith(("http", *GENERATED)):
+            continue
+        name, _, anchor = link.partition("#")
+        target = (path.parent / name) if name else path
+        assert target.exists(), link
+        if anchor:
+            assert anchor in anchors(target), link
+
+
+def test_the_first_screen_has_what_a_visitor_needs():
+    first = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()[:25]
+    assert any("](media/cavity.gif)" in line for line in first)
+    assert sum(line.startswith("* **") for line in first) == 3
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 130
+
+
+PAGE = (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
+
+
+def fragments():
+    """Words of the messages in the first column of the table, without what changes from case to case."""
+    _, table = PAGE.split("| message | what to do |")
+    cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
+    quoted = [text for cell in cells for text in re.findall(r"`([^`]+)`", cell)]
+    return [part.strip() for text in quoted for part in text.split("...")]
+
+
+def test_messages_are_those_of_the_program():
+    code = " ".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "tisph").rglob("*.py")))
+    found = fragments()
+    assert len(found) > 6
+    assert [text for text in found if text not in code] == []
+
+
+THEORY = sorted((ROOT / "docs" / "theory").glob("*.md"))
+MODULES = {path.relative_to(ROOT).as_posix() for folder in ("tisph", "tests") for path in (ROOT / folder).rglob("*")}
+
+
+@pytest.mark.parametrize("path", THEORY, ids=lambda path: path.name)
+def test_equations_are_numbered_in_order(path):
+    equations = re.findall(r"^\$\$.*\$\$$", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    tags = [re.search(r"\\tag\{(\d+)([a-z]?)\}\$\$$", equation) for equation in equations]
+    assert all(tags)
+    expected, number = [], 0
+    for letter in [tag[2] for tag in tags]:
+        number += letter in ("", "a")  # 3a, 3b are the parts of one
+        expected.append(f"{number}{letter}")
+    assert [tag[1] + tag[2] for tag in tags] == expected
+
+
+@pytest.mark.parametrize("path", THEORY, ids=lambda path: path.name)
+def test_modules_exist(path):
+    named = re.findall(r"`((?:\w+/)*\w+\.py|tisph/[\w/]*\w)/?`", path.read_text(encoding="utf-8"))
+    assert [name for name in named if not any(("/" + module).endswith("/" + name) for module in MODULES)] == []
+
+
+DOCS = Path(tisph.__file__).parents[1] / "docs"
+CONFIGS = DOCS.parent / "configs"
+
+
+def keys():
+    """Names in ``_keys.yaml`` of all keys that the models have."""
+    for family, model in {"scenes": "Config", **dict.fromkeys(reference.FAMILIES, "Parameters")}.items():
+        for name in registry.names(family):
+            for key, _ in reference.fields(getattr(registry.load(family, name), model)):
+                above = reference.SAME_KEYS.get(family, family)
+                yield reference.SIDES.sub("walls.SIDE", key) if family == "scenes" else f"{above}/{key}"
+    yield from reference.study_keys()
+
+
+def test_every_key_has_a_meaning_and_no_other_has():
+    assert set(keys()) == set(reference.MEANINGS)
+    assert all(re.fullmatch(r".*[a-zA-Z)\d²]\.|.*[.]", meaning) for meaning, *_ in reference.MEANINGS.values())
+
+
+def test_every_key_of_every_scene_has_a_line():
+    page = reference.keys_page()
+    shared, *scenes = re.split(r"^## Scene `(\w+)`$", page, flags=re.MULTILINE)
+    parts = dict(zip(scenes[::2], scenes[1::2], strict=True))
+    assert list(parts) == registry.names("scenes")
+    for name, part in parts.items():
+        for key, _ in reference.fields(registry.load("scenes", name).Config):
+            assert f"| `{key}` |" in shared + part.partition("\n## ")[0], (name, key)
+
+
+def test_ranges_and_defaults_are_those_of_the_models():
+    lines = {line.split(" | ")[0]: line for line in reference.keys_page().splitlines() if line.startswith("| `")}
+    assert "number at least 0.8 and at most 3 | `1.0` |" in lines["| `discretisation.smoothing_ratio`"]
+    assert "number above 0 and at most 1 or `auto` | `auto` |" in lines["| `time.cfl`"]
+    assert "| `f64`, `f32` | `f64` |" in lines["| `discretisation.precision`"]
+    assert "mass/length³ | number above 0 |  |" in lines["| `fluid.density`"]
+
+
+def lines_of(text):
+    """Lines of the tables in a text, by their keys."""
+    return {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
+
+
+def test_defaults_in_words_are_what_the_program_fills_in():
+    lines = lines_of(reference.keys_page().partition("\n## Scene `cavity`")[0])
+    plain = config.load(CONFIGS / "couette_minimal.yaml", ["scheme.type=wcsph"])
+    across = plain.discretisation.particles_across
+    assert f"| `{across}`, without a spacing |" in lines["discretisation.particles_across"]
+    assert plain.time.samples == (plain.time.end,)
+    assert lines["time.samples"].endswith("| the end |")
+    assert plain.name == "couette_minimal"
+    assert lines["name"].endswith("| name of the file |")
+    sound = plain.scheme.equation_of_state.sound_speed
+    assert f"| `{sound}`, without" in lines_of(reference.keys_page())["equation_of_state.sound_speed"]
+    words = '{"amplitude": 1.0, "angular_frequency": 1.0}'
+    swinging = config.load(CONFIGS / "couette_minimal.yaml", [f"walls.top={words}"])
+    assert f"| `{swinging.walls.top.phase}`, with an amplitude |" in lines["walls.inner.phase"]
+
+
+def test_colours_are_those_that_configs_may_have():
+    seen = {}
+    for path in sorted(CONFIGS.glob("*.yaml")):
+        one = config.load(path)
+        bodies = getattr(one, "bodies", ())
+        seen[one.scene, one.fluid.rheology.type, one.axisymmetric, bool(bodies)] = one, bodies
+    assert {scene for scene, *_ in seen} == set(registry.names("scenes"))
+    for (scene, law, *_), (one, bodies) in seen.items():
+        given = {"coordinates": one.coordinates} if scene == "region" else {}
+        assert reference.colours(scene, law, bodies, **given) == checks.colours(one), (scene, law)
+
+
+def test_page_names_the_colours_of_each_scene():
+    for scene in registry.names("scenes"):
+        text, laws = reference.about(scene), registry.names("rheology")
+        for name in {name for law in laws for name in reference.colours(scene, law, bodies=(None,))}:
+            assert f"`{name}`" in text, (scene, name)
+
+
+def test_modes_are_polymers_with_a_fraction():
+    page = reference.keys_page().partition("### `multi_mode`")[2].partition("\n### ")[0]
+    lines = lines_of(page)
+    assert re.findall(r"`(\w+)`", lines["modes"].partition("`type`:")[2]) == [
+        name for name in registry.names("rheology") if hasattr(registry.load("rheology", name), "Mode")
+    ]
+    assert "number above 0 and at most 1" in lines["modes.fraction"]
+
+
+def test_keys_that_take_a_name_list_all_names():
+    lines = lines_of(reference.keys_page())
+    for key, family in {"scene": "scenes", "discretisation.kernel": "kernels"}.items():
+        assert f"| {reference.code(registry.names(family))} |" in lines[key]
+    for family in reference.WITHOUT_KEYS:
+        assert all(f"- `{name}`: " in reference.keys_page() for name in registry.names(family))
+
+
+def test_every_command_and_option_has_a_line():
+    page = _command_line.commands_page()
+    shown = [(name, one) for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden]
+    for name, command in shown:
+        part = page.partition(f"## `tisph {name}`\n")[2].partition("\n## ")[0]
+        assert "\ntisph " in part, f"{name}: no example"
+        for parameter in command.params:
+            option = parameter.opts[0]
+            shown = option.startswith("-") and not getattr(parameter, "hidden", False)
+            assert not shown or f"`{option}`" in part, (name, option)
+
+
+FLOWS = gallery.flows()
+JOBS = {job.name: job for name, flow in FLOWS.items() for job in gallery.jobs(name, flow)}
+SUMMARY = {"samples": [{"l2": 1.0e-3, "drag": 2.0, "drag_top": -1.5}, {"l2": 2.0e-5, "drag": 2.02, "drag_exact": 2.0}]}
+
+
+def test_there_are_twelve_pages_with_two_exercises_each():
+    assert len(FLOWS) >= 12
+    assert {name: len(flow["try"]) for name, flow in FLOWS.items()} == dict.fromkeys(FLOWS, 2)
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_settings_of_a_page_are_those_of_a_config(name):
+    assert config.load(JOBS[name].config, JOBS[name].settings).name
+
+
+@pytest.mark.parametrize("name", FLOWS)
+def test_each_number_in_a_text_is_asserted(name):
+    flow = FLOWS[name]
+    texts = [(flow[key], flow["numbers"]) for key in ("question", "story")]
+    texts += [(exercise["answer"], exercise["numbers"]) for exercise in flow["try"]]
+    for text, bounds in texts:
+        used = set(gallery.re.findall(r"<<(\w+)>>", text))
+        assert used <= {check["name"] for check in bounds}
+        assert all("below" in check or {"equals", "within"} <= set(check) for check in bounds)
+
+
+def test_a_number_out_of_its_bound_is_named():
+    small = {"name": "error", "key": "samples.0.l2", "below": 1.0e-4}
+    near = {"name": "drag", "key": "samples.-1.drag", "equals": "samples.-1.drag_exact", "within": 1.0e-3}
+    lines = gallery.failures("page", SUMMARY, [small, near])
+    assert lines == [
+        "gallery page page: error (samples.0.l2) is 0.001, not below 0.0001",
+        "gallery page page: drag (samples.-1.drag) is 2.02, not 2 within 0.001",
+    ]
+    assert gallery.failures("page", SUMMARY, [small | {"below": 2.0e-3}, near | {"within": 0.02}]) == []
+
+
+def test_a_number_that_is_not_finite_is_out_of_its_bound():
+    check = {"name": "error", "key": "samples.0.l2", "below": 1.0}
+    assert gallery.failures("page", {"samples": [{"l2": float("nan")}]}, [check])
+
+
+def test_a_key_may_be_a_sum():
+    assert gallery.value(SUMMARY, "samples.0.drag + samples.0.drag_top") == 0.5
+
+
+def test_texts_show_the_numbers_of_the_run():
+    checks = [{"name": "error", "key": "samples.-1.l2"}, {"name": "drag", "key": "samples.-1.drag"}]
+    assert gallery.filled("<<error>> and <<drag>>", SUMMARY, checks) == "2.0e-5 and 2.02"
+    with pytest.raises(KeyError):
+        gallery.filled("<<lift>>", SUMMARY, checks)
+
+
+def test_a_run_is_made_again_when_its_settings_change():
+    job = JOBS["couette"]
+    assert gallery.Job(job.name, job.config, (*job.settings, "initial.seed=1")).stamp() != job.stamp()

@@ -1,0 +1,166 @@
+"""A scene pays for nothing that it does not use: no field, no byte, no compiled instruction, no output."""
+
+import importlib
+
+import kept_program
+import pytest
+import stripped_program
+from stripped_program import FLAGS, fields, size
+
+from tisph import config, registry, runtime
+from tisph.report import movie
+from tisph.runtime import ti
+from tisph.scenes.channel import Channel
+from tisph.simulation import checkpoint, run
+from tisph.size_class import size_class
+
+pytestmark = pytest.mark.taichi
+
+CASE = """
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {gap: 1.0, length: 1.0}
+walls: {top: {velocity: 0.5}}
+discretisation: {particles_across: 12}
+time: {end: 0.01}
+runtime: {threads: 1}
+"""
+EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
+ROOM = size_class(12 * 12)  # of all fields of particles and of points on the walls
+
+NUMBER, INDEX = 8, 4  # bytes, in double precision
+TENSOR = 3 * NUMBER  # xx, xy, yy
+BOTH = 2  # buffers, or walls
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Return a function that loads the small case with ``key.path=value`` overrides."""
+
+    def load(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(CASE)
+        return config.load(path, overrides)
+
+    return load
+
+
+@pytest.fixture
+def build(load):
+    """Return a function that builds a Scheme which has not started: its fields are there, but nothing is compiled."""
+
+    def build(*overrides):
+        settings = load(*overrides)
+        runtime.start(settings.discretisation.precision, 1)
+        scheme = registry.load("schemes", settings.scheme.type).build
+        return scheme(settings, Channel.from_config(settings), settings.time.samples, serial=True)
+
+    return build
+
+
+def sizes(scheme):
+    return {name: size(field) for name, field in fields(scheme).items()}
+
+
+def polymer(scheme):
+    """Stress of particles and of what stands for them beyond the walls, its law, and a track on each wall."""
+    track = {"compression": NUMBER, "stress": TENSOR, "mid_stress": TENSOR, "slope": TENSOR, "mid_slope": TENSOR}
+    everywhere = scheme.particles.mid_pressure.shape[1]
+    return {
+        "particles.stress": BOTH * ROOM * TENSOR,
+        "particles.mid_stress": BOTH * everywhere * TENSOR,
+        "stepper.stress_trace": NUMBER,
+        "fluid.stress.relaxation_rate": NUMBER,
+        "fluid.stress.modulus": NUMBER,
+        **{f"walls.track.{name}": BOTH * ROOM * each for name, each in track.items()},
+        "walls.track.column": BOTH * ROOM * INDEX,
+        "walls.track.count": INDEX,
+        "walls.track.origin": BOTH * NUMBER,
+        "walls.track.spacing": NUMBER,
+        "walls.track.radius_squared": NUMBER,
+    }
+
+
+OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
+DRIVE = "drive.acceleration=0.02"
+OSCILLATION = "walls.top={amplitude: 0.5, angular_frequency: 1.0}"
+DRIVEN = {"domain.acceleration": NUMBER}
+OSCILLATING = {"domain.bottom_acceleration": NUMBER, "domain.top_acceleration": NUMBER}
+
+
+@pytest.mark.parametrize(
+    ("scheme", "part", "adds"),
+    [
+        (EXPLICIT, OLDROYD_B, polymer),
+        (EXPLICIT, "scheme.equation_of_state.pressure_cutoff=-1.0", {"fluid.pressure_cutoff": NUMBER}),
+        (EXPLICIT, "scheme.artificial_viscosity=0.1", {"operators.artificial_viscosity": NUMBER}),
+        (EXPLICIT, DRIVE, DRIVEN),
+        (EXPLICIT, OSCILLATION, OSCILLATING),
+        (IMPLICIT, DRIVE, DRIVEN),
+        (IMPLICIT, OSCILLATION, OSCILLATING),
+    ],
+)
+def test_a_part_has_fields_of_its_own_and_changes_no_other(build, scheme, part, adds):
+    plain = sizes(build(scheme))
+    used = build(scheme, part)
+    added = adds(used) if callable(adds) else adds
+    assert not plain.keys() & added.keys()  # without its fields no kernel can hold its code either
+    assert sizes(used) == plain | added
+
+
+@pytest.mark.parametrize("scheme", [EXPLICIT, IMPLICIT])
+def test_no_field_is_out_of_sight(build, scheme):
+    kept_program.forget()  # it has the fields of other tests
+    built = build(scheme)
+    program = ti.lang.impl.get_runtime()
+    program.materialize()
+    trees = [program.prog.get_snode_root(number) for number in range(program.prog.get_snode_tree_size())]
+    seen = sum(sizes(built).values())
+    # Taichi begins each field at a multiple of 8 bytes
+    assert seen <= sum(tree.cell_size_bytes for tree in trees) <= seen + 8 * len(sizes(built))
+
+
+@pytest.mark.parametrize("scheme", [EXPLICIT, IMPLICIT])
+def test_steps_need_no_further_fields(make, scheme):
+    started = make(scheme)
+    before = sizes(started)
+    for _ in range(10):
+        started.advance()
+    assert sizes(started) == before
+
+
+@pytest.mark.parametrize(
+    "unused",
+    [
+        "fluid.rheology={type: newtonian}",
+        "scheme.equation_of_state.pressure_cutoff=null",
+        "scheme.artificial_viscosity=0.0",
+        "drive.acceleration=0.0",
+        "walls={bottom: {velocity: 0.0}, top: {velocity: 0.5}}",
+    ],
+)
+def test_saying_that_a_part_is_not_used_is_saying_nothing(load, unused):
+    assert load(EXPLICIT, unused) == load(EXPLICIT)
+
+
+def test_the_program_without_the_code_of_parts_compiles_to_the_same_kernels(tmp_path):
+    config, whole, stripped = (tmp_path / name for name in ("case.yaml", "whole", "stripped"))
+    config.write_text(CASE.replace("end: 0.01", "end: 100.0") + "scheme: {type: wcsph}\n")
+    assert not stripped_program.copy(whole)
+    branches = stripped_program.copy(stripped, FLAGS)
+    assert all(branches[flag] for flag in FLAGS), "a flag that is no more"
+    found = stripped_program.compiled_kernels(whole, config, tmp_path)
+    assert found
+    assert stripped_program.compiled_kernels(stripped, config, tmp_path) == found
+
+
+def test_a_run_without_movie_and_checkpoints_opens_none(load, tmp_path, monkeypatch):
+    def refuse(*arguments):
+        pytest.fail("there was to be no movie and no checkpoint")
+
+    recording = importlib.import_module("tisph.simulation.recording")
+    monkeypatch.setattr(movie, "Movie", refuse)
+    monkeypatch.setattr(recording, "Frames", refuse)
+    monkeypatch.setattr(checkpoint, "save", refuse)
+    run(load(EXPLICIT, "output={video: null, checkpoint_every: null}"), tmp_path / "out")
+    assert not list((tmp_path / "out").glob("*.mp4"))

@@ -1,0 +1,193 @@
+"""Families, scenes and schemes have what the written protocols ask for; a new file is a new member."""
+
+import ast
+import inspect
+import sys
+from pathlib import Path
+
+import inside
+import pytest
+from inside import scene_protocol as _scene
+from inside import scheme_protocol as _protocol
+
+from tisph import registry, scenes
+from tisph.config import load, schema
+from tisph.config.base import Model
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+EXAMPLES = {
+    "annulus": "circular_couette",
+    "cavity": "cavity",
+    "channel": "oldroyd_b_couette",
+    "eccentric_annulus": "eccentric_annulus",
+    "lattice": "cylinder_lattice",
+    "pipe": "pipe",
+    "region": "turned_box",
+    "shear_layer": "shear_layer",
+    "sphere_in_tube": "sphere_in_tube",
+    "taylor_couette": "taylor_vortices",
+    "taylor_green": "taylor_green",
+}
+CHOICES = ["auto"]
+
+
+def config_of_each_scene():
+    """Return the name of one config of each scene that has one."""
+    scenes = {path.stem: re.search(r"^scene: (\w+)", path.read_text(), re.MULTILINE) for path in CONFIGS.glob("*.yaml")}
+    return {scene[1]: name for name, scene in sorted(scenes.items(), reverse=True)}
+
+
+EXAMPLES = config_of_each_scene() | EXAMPLES
+
+
+def public(cls):
+    """Names of the public members of a class, those that are only annotated among them."""
+    return {name for name in {*vars(cls), *inspect.get_annotations(cls)} if not name.startswith("_")}
+
+
+def undocumented(cls):
+    """Public members of a class in its source that neither have a docstring nor are followed by one."""
+    (tree,) = ast.parse(inspect.getsource(cls)).body
+    following = dict(zip(tree.body, [*tree.body[1:], None], strict=True))
+    for node, after in following.items():
+        if isinstance(node, ast.FunctionDef):
+            if not ast.get_docstring(node) and not node.name.startswith("_"):
+                yield node.name
+        elif isinstance(node, ast.Assign | ast.AnnAssign) and not (
+            isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
+        ):
+            yield ast.unparse(node)
+
+
+def arguments(function):
+    """Names of the arguments of a function without ``self``; names that begin with _ are given by position only."""
+    return [name.lstrip("_") for name in inspect.signature(function).parameters if name != "self"]
+
+
+PROTOCOLS = [
+    _scene.Scene,
+    _protocol.Scheme,
+    _protocol.ProbedScheme,
+    _protocol.SchemeEstimates,
+    _protocol.Member,
+    _protocol.SchemeMember,
+    _protocol.ChoiceMember,
+]
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS, ids=lambda protocol: protocol.__name__)
+def test_protocols_explain_each_member(protocol):
+    assert protocol.__doc__
+    assert list(undocumented(protocol)) == []
+
+
+def test_every_scene_has_an_example():
+    assert sorted(EXAMPLES) == registry.names("scenes")
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_scenes_have_what_runs_ask_of_them(name):
+    config = load(CONFIGS / f"{EXAMPLES[name]}.yaml")
+    scene = scenes.of(config)
+    assert isinstance(config, schema.Config)
+    assert isinstance(scene, _scene.Scene)
+    left_out = {"columns", "rows"} if scene.bodies else set()
+    left_out |= set() if scene.fields else {"exact"}
+    for member in public(_scene.Scene) - left_out:
+        getattr(scene, member)  # a property that raises NotImplementedError is missing
+        given, asked = getattr(type(scene), member, None), getattr(_scene.Scene, member, None)
+        if inspect.isfunction(asked):
+            assert given.__doc__ or member not in vars(type(scene)), member
+            kinds = {each.kind for each in inspect.signature(asked).parameters.values()}
+            if inspect.Parameter.VAR_KEYWORD not in kinds:
+                assert arguments(getattr(scene, member)) == arguments(asked), member
+            if asked.__code__.co_names[-1:] == ("NotImplementedError",):
+                assert given is not asked, f"{member} is missing"
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_configs_of_scenes_have_what_the_schema_asks_for(name):
+    config = load(CONFIGS / f"{EXAMPLES[name]}.yaml")
+    for member in public(schema.Config) - {"model_config"}:
+        getattr(config, member)
+
+
+@pytest.mark.parametrize("name", registry.names("schemes"))
+def test_modules_of_schemes_have_what_the_program_asks_of_them(name):
+    module = registry.load("schemes", name)
+    protocol = _protocol.ChoiceMember if name in CHOICES else _protocol.SchemeMember
+    assert issubclass(module.Parameters, Model)
+    assert module.Parameters.model_fields["type"].default == name
+    assert registry.constant("schemes", name, "PERIODIC")
+    for member in public(protocol) | public(_protocol.Member):
+        given, asked = getattr(module, member), getattr(protocol, member, None)
+        if inspect.isfunction(asked):
+            assert given.__doc__, member
+            assert arguments(given) == arguments(asked), member
+
+
+@pytest.fixture
+def family(tmp_path, monkeypatch):
+    """Return a family of two members and a helper, in a package of its own."""
+    package = tmp_path / "menu_of_a_test"
+    package.mkdir()
+    (package / "__init__.py").write_text('"""A menu."""\n')
+    (package / "beta.py").write_text('"""Second dish.\n\nMore about it.\n"""\n\nSUPPORT = 2.5\nraise_ = 1 / 0\n')
+    (package / "alpha.py").write_text("NAME = 'alpha'\n")
+    (package / "_helper.py").write_text("")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(registry.FAMILIES, "menu", package.name)
+    yield package
+    for name in [name for name in sys.modules if name.startswith(package.name)]:
+        del sys.modules[name]
+
+
+def test_names_are_the_files_without_helpers(family):
+    assert registry.names("menu") == ["alpha", "beta"]
+
+
+def test_a_new_file_is_a_new_member(family):
+    (family / "gamma.py").write_text('"""Third dish."""\n')
+    assert registry.names("menu") == ["alpha", "beta", "gamma"]
+    assert registry.summary("menu", "gamma") == "Third dish."
+
+
+def test_summary_and_constant_do_not_import(family):
+    """Importing beta would divide by zero."""
+    assert registry.summary("menu", "beta") == "Second dish."
+    assert registry.constant("menu", "beta", "SUPPORT") == 2.5
+    assert registry.summary("menu", "alpha") == ""
+
+
+def test_load_imports_only_the_chosen_one(family):
+    assert registry.load("menu", "alpha").NAME == "alpha"
+    assert f"{family.name}.beta" not in sys.modules
+
+
+@pytest.mark.parametrize("name", ["delta", "_helper", "../alpha", ""])
+def test_what_is_not_on_the_menu(family, name):
+    for look in (registry.load, registry.summary):
+        with pytest.raises(KeyError, match=r"menu has no member .*; it has alpha, beta"):
+            look("menu", name)
+    with pytest.raises(KeyError):
+        registry.names("no_family")
+
+
+def test_missing_constant(family):
+    with pytest.raises(KeyError, match="SUPPORT"):
+        registry.constant("menu", "alpha", "SUPPORT")
+
+
+@pytest.mark.parametrize("name", list(registry.FAMILIES))
+def test_every_member_has_a_summary(name):
+    assert [member for member in registry.names(name) if not registry.summary(name, member)] == []
+
+
+@pytest.mark.parametrize("kernel", registry.names("kernels"))
+def test_every_kernel_tells_its_support(kernel):
+    assert registry.constant("kernels", kernel, "SUPPORT") > 0
+
+
+@pytest.mark.parametrize("name", inside.PLACES)
+def test_inner_parts_that_tests_look_at_are_there(name):
+    assert getattr(inside, name) is not None

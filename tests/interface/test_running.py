@@ -1,0 +1,208 @@
+"""Runs from Python: the same bits, files and messages as on the command line, in a process of their own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from base64 import b64decode
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import tisph
+from tisph import cli
+from tisph.errors import ConfigError, DivergedError
+from tisph.folder import LOCK, held
+
+pytestmark = pytest.mark.taichi
+
+CASE = {
+    "name": "small",
+    "scene": "channel",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
+    "geometry": {"gap": 1.0, "length": 1.0},
+    "walls": {"top": {"velocity": 0.5}},
+    "discretisation": {"particles_across": 12},
+    "scheme": {"type": "wcsph"},
+    "time": {"end": 1.0, "samples": [0.4, 1.0]},
+    "output": {"video": {"frames": 3, "width": 640, "height": 320}},
+    "runtime": {"threads": 1},
+}
+
+BESIDE_TAICHI = """
+import json, sys
+import taichi as ti
+ti.init(arch=ti.cpu, default_fp=ti.f32, log_level=ti.ERROR)
+kept = ti.field(float, 3)
+kept.fill(2.0)
+
+@ti.kernel
+def double():
+    for i in kept:
+        kept[i] *= 2.0
+
+double()
+import tisph
+config = json.loads(sys.argv[1])
+tisph.check(config)
+run = tisph.run(config, "own", video=False, **{"discretisation.precision": "f32", "runtime.threads": 2})
+assert run.samples[0]["u"].dtype == "f4" and run.summary.provenance.threads == 2
+assert abs(run.exact("u", 0.5, 1.0, 1.0) - 0.5) < 1e-6
+double()
+assert kept.to_numpy().tolist() == [8.0, 8.0, 8.0] and kept.to_numpy().dtype == "f4"
+made_later = ti.field(float, 3)
+
+@ti.kernel
+def halve():
+    for i in kept:
+        made_later[i] = kept[i] / 2.0
+
+halve()
+assert made_later.to_numpy().tolist() == [4.0, 4.0, 4.0] and made_later.to_numpy().dtype == "f4"
+"""
+
+ENDLESS = """
+import json, signal, sys
+import tisph
+signal.signal(signal.SIGINT, signal.default_int_handler)  # tests may run where it is ignored
+try:
+    tisph.run(json.loads(sys.argv[1]), "cut", video=False, progress=True, **{"time.end": 1000.0})
+except KeyboardInterrupt:
+    sys.exit(77)
+"""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Results of the small case."""
+    return tisph.run(CASE, tmp_path_factory.mktemp("finished") / "out")
+
+
+def test_bitwise_the_same_as_on_the_command_line(finished, tmp_path):
+    (tmp_path / "small.yaml").write_text(json.dumps(CASE))
+    done = CliRunner().invoke(
+        cli.app, ["run", str(tmp_path / "small.yaml"), "--no-video", "--out", str(tmp_path / "o")]
+    )
+    assert done.exit_code == 0, done.stderr
+    with h5py.File(tmp_path / "o/samples.h5") as file:
+        for sample, group in zip(finished.samples, file.values(), strict=True):
+            assert all(np.array_equal(sample[name], group[name]) for name in group)
+    assert finished.summary.provenance.config_hash == tisph.open(tmp_path / "o").summary.provenance.config_hash
+
+
+def test_summary_and_samples_are_those_of_the_files(finished):
+    raw = json.loads((finished.folder / "summary.json").read_text())
+    assert (finished.summary.name, finished.summary.status) == ("small", "done")
+    assert [sample.l2 for sample in finished.summary.samples] == [sample["l2"] for sample in raw["samples"]]
+    assert finished.summary.samples[-1]["wall_shear_top"] == raw["samples"][-1]["wall_shear_top"]
+    assert finished.summary.cost.steps == raw["cost"]["steps"]
+    assert [sample.t for sample in finished.samples] == [0.4, 1.0]
+    last = finished.samples[-1]
+    assert len(finished.samples[:1]) == 1
+    assert {"x", "y", "u", "v", "density", "pressure", "u_exact"} <= set(last)
+    assert last["u"].shape == (144,)
+    assert last.units["u"] == "m/s"
+    with pytest.raises(KeyError, match="speed"):
+        last["speed"]
+
+
+def test_errors_can_be_computed_again_from_arrays_and_the_exact_solution(finished):
+    last = finished.samples[-1]
+    exact = finished.exact("u", last["x"], last["y"], last.t)
+    assert np.array_equal(exact, last["u_exact"])
+    error = np.linalg.norm(last["u"] - exact) / np.linalg.norm(exact)
+    assert error == pytest.approx(finished.summary.samples[-1].l2, rel=1e-12)  # sums of 144 numbers in another order
+    with pytest.raises(ConfigError, match="'w': scene channel has no reference for it; it has u"):
+        finished.exact("w", 0.0, 0.0, 0.0)
+
+
+def test_history_is_a_record_array(finished):
+    history = finished.history
+    assert history.t[0] == 0.0
+    assert history.t[-1] == 1.0
+    name = history.dtype.names[1]
+    exact = finished.exact("u", 0.5, float(name.removeprefix("u(y=").rstrip(")")), history.t)
+    assert np.allclose(history[name.replace("u(", "u_exact(")], exact, rtol=1e-12, atol=1e-15)
+    pandas = pytest.importorskip("pandas", reason="there is no pandas")
+    table = history.to_pandas()
+    assert isinstance(table, pandas.DataFrame)
+    assert list(table.columns) == list(history.dtype.names)
+
+
+def test_a_notebook_shows_movie_pictures_and_errors(finished):
+    for figure in (finished.profile_figure(), finished.history_figure()):
+        assert figure._repr_png_().startswith(b"\x89PNG")
+    shown = finished._repr_html_()
+    assert shown.count("<img") == 2
+    assert "L2, relative" in shown
+    movie = shown.split('src="data:video/mp4;base64,')[1].split('"')[0]
+    assert b64decode(movie) == Path(finished.movie).read_bytes()
+    assert finished.movie._repr_html_().strip().startswith("<video")
+
+
+def test_nothing_is_printed_and_folders_are_used_as_on_the_command_line(finished, capfd):
+    with pytest.raises(ConfigError, match=r"the folder is not empty; choose another one, or add --overwrite"):
+        tisph.run(CASE, finished.folder)
+    with held(finished.folder), pytest.raises(ConfigError, match="is in use, another run is writing there"):
+        tisph.run(CASE, finished.folder, overwrite=True)
+    assert finished.samples[-1]["u"].shape == (144,)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_run_that_diverges_is_an_exception_and_can_be_opened(tmp_path, capfd):
+    with pytest.raises(DivergedError, match=r"(?s)particle.*at step.*partial results are in") as raised:
+        tisph.run(CASE, tmp_path / "out", video=False, **{"time.cfl": 1.0, "time.end": 30.0})  # four times the stable
+    assert "Traceback" not in str(raised.value)
+    assert capfd.readouterr() == ("", "")
+    opened = tisph.open(tmp_path / "out")
+    assert opened.summary.status == "diverged"
+    assert opened.summary.message in str(raised.value)
+    assert opened.movie is None
+    assert "diverged" in opened._repr_html_()
+
+
+def test_a_taichi_program_beside_it_lives_on(tmp_path):
+    (tmp_path / "users.py").write_text(BESIDE_TAICHI)  # Taichi looks for the source of kernels
+    program = [sys.executable, "users.py", json.dumps(CASE)]
+    path = str(Path(tisph.__file__).parents[1])
+    environment = {**os.environ, "PYTHONPATH": path}
+    done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.slow  # test_faults.py interrupts runs, too
+@pytest.mark.skipif(os.name == "nt", reason="sends signals")
+def test_ctrl_c_leaves_a_checkpoint_to_go_on_from(tmp_path):
+    program = [sys.executable, "-c", ENDLESS, json.dumps(CASE)]
+    with subprocess.Popen(program, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as user:
+        user.stderr.readline()  # its first line of progress
+        user.send_signal(signal.SIGINT)
+        user.communicate()
+    assert user.returncode == 77
+    cut = tisph.open(tmp_path / "cut")
+    assert cut.summary.status == "interrupted"
+    assert (cut.folder / "checkpoint.h5").is_file()
+    with held(cut.folder):  # nobody runs there any more
+        pass
+
+
+@pytest.mark.slow  # the same way as Ctrl-C takes
+@pytest.mark.skipif(os.name == "nt", reason="sends signals")
+def test_a_run_ends_with_the_process_that_asked_for_it(tmp_path):
+    program = [sys.executable, "-c", ENDLESS, json.dumps(CASE)]
+    with subprocess.Popen(program, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as user:
+        user.stderr.readline()
+        user.kill()
+        user.communicate()
+    while (tmp_path / "cut" / LOCK).exists():  # the test's own limit of time ends it
+        pass
+    assert tisph.open(tmp_path / "cut").summary.status == "interrupted"
+
+
+def test_no_folder_of_results(tmp_path):
+    with pytest.raises(ConfigError, match=r"is no folder of results, it has no config.resolved.yaml"):
+        tisph.open(tmp_path)

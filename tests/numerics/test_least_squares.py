@@ -1,0 +1,286 @@
+"""Least-squares rows on disordered particles, what becomes of them where neighbours do not suffice, and the solver."""
+
+import numpy as np
+import pytest
+
+from tisph.least_squares import SUPPORT
+from tisph.runtime import view
+from tisph.solvers.bicgstab import BiCGStab
+
+pytestmark = pytest.mark.taichi
+
+IMPLICIT = ("scheme={type: implicit}", "walls.treatment.type=comoving_image")
+
+
+@pytest.fixture
+def assembled(shared):
+    """Return a function that gives a Scheme at rest with its operators assembled."""
+
+    def build(*overrides, jitter=0.0):
+        scheme = shared(*IMPLICIT, *overrides)
+        position = np.stack(scheme.channel.jittered(0, jitter), 1)
+        scheme.start(position, np.zeros_like(position))
+        scheme.particles.arrange(0.0)
+        return scheme
+
+    return build
+
+
+def rows_of(scheme):
+    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, capacity).
+
+    Both are 0 beyond the last neighbour.
+    """
+    points, spacing = scheme.points, scheme.channel.spacing
+    table, place = view(points.neighbours)[: points.fluid], view(points.position)
+    listed = np.arange(points.row_capacity) < view(points.count)[: points.fluid, None]
+    listed &= table != points.sentinel
+    apart = place[np.where(listed, table, 0)] - place[: points.fluid, None]
+    apart[..., 0] -= scheme.channel.length * np.round(apart[..., 0] / scheme.channel.length)
+    scales = {"laplacian": spacing**2, "d_dx": spacing, "d_dy": spacing}
+    rows = [
+        np.where(listed, view(getattr(scheme.operators, name))[: points.fluid], 0.0) * scale
+        for name, scale in scales.items()
+    ]
+    return rows, np.where(listed[..., None], apart, 0.0) / spacing
+
+
+def errors(scheme, order):
+    """Largest error of each particle's rows over all monomials x^a y^b, 1 <= a + b <= order, in spacings."""
+    (laplacian, d_dx, d_dy), apart = rows_of(scheme)
+    x, y = apart[..., 0], apart[..., 1]
+    worst = np.zeros(len(x))
+    for a in range(order + 1):
+        for b in range(order + 1 - a):
+            if a + b == 0:
+                continue
+            values = x**a * y**b
+            exact = (2.0 * ((a, b) in ((2, 0), (0, 2))), float((a, b) == (1, 0)), float((a, b) == (0, 1)))
+            for row, value in zip((laplacian, d_dx, d_dy), exact, strict=True):
+                worst = np.maximum(worst, np.abs((row * values).sum(axis=1) - value))
+    return worst
+
+
+# rounding of 1e-16, in sums of 30 terms of up to 3^4 = 81, times the condition of the systems, 1e2 to 1e4 with jitter
+ROUNDING = 1e-10
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("jitter", [0.0, 0.1, 0.3])
+def test_rows_are_exact_for_polynomials_up_to_their_order(assembled, order, jitter):
+    scheme = assembled(f"scheme.operators.order={order}", jitter=jitter)
+    assert errors(scheme, order).max() < ROUNDING
+    assert scheme.operators.order_reduced[None] == scheme.operators.singular[None] == 0
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_rows_are_not_exact_beyond_their_order(assembled, order):
+    # or the test above would say nothing of the order: a cell holds terms of this degree with weights of about 1
+    scheme = assembled(f"scheme.operators.order={order}", jitter=0.3)
+    assert np.median(errors(scheme, order + 1)) > 1e-2
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_what_lies_beyond_the_support_weighs_nothing(assembled, order):
+    scheme = assembled(f"scheme.operators.order={order}", jitter=0.3)
+    rows, apart = rows_of(scheme)
+    beyond = np.hypot(apart[..., 0], apart[..., 1]) >= SUPPORT[order]
+    assert np.count_nonzero(beyond) > 0
+    for row in rows:
+        assert np.all(row[beyond] == 0.0)
+
+
+def give_neighbours(scheme, i, neighbours):
+    """Let particle ``i`` have these neighbours alone, and compute all rows anew."""
+    points = scheme.points
+    table, count = view(points.neighbours), view(points.count)
+    padded = -(-len(neighbours) // 4) * 4
+    table[i, :padded] = points.sentinel
+    table[i, : len(neighbours)] = neighbours
+    count[i] = padded
+    scheme.operators.assemble()
+
+
+def nearest(scheme, i, number):
+    """The ``number`` nearest particles of particle ``i``, which is at the centre of the channel."""
+    place = view(scheme.points.position)[: scheme.points.fluid]
+    return np.argsort(np.hypot(*(place - place[i]).T), kind="stable")[1 : number + 1]
+
+
+CENTRE = 6 * 12 + 6
+
+
+def check_dropped(scheme, i, order):
+    """Check that the rows of ``i`` are zero, and those of all others as they were."""
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (0, 1)
+    rows, _ = rows_of(scheme)
+    for row in rows:
+        assert np.all(np.isfinite(row))
+        assert np.all(row[i] == 0.0)
+    assert np.delete(errors(scheme, order), i).max() < ROUNDING
+
+
+@pytest.mark.parametrize("number", [6, 8, 13])
+def test_too_few_neighbours_for_order_four_leave_order_two(assembled, number):
+    # 14 unknowns of order 4, 5 of order 2
+    scheme = assembled(jitter=0.2)
+    give_neighbours(scheme, CENTRE, nearest(scheme, CENTRE, number))
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (1, 0)
+    assert errors(scheme, 2)[CENTRE] < ROUNDING
+    assert errors(scheme, 4)[CENTRE] > 1e-3
+    assert np.delete(errors(scheme, 4), CENTRE).max() < ROUNDING
+
+
+def test_neighbours_in_three_rows_leave_order_two(assembled):
+    # on the heights -1, 0, 1 y^3 is y: however many there are, order 4 has no answer
+    scheme = assembled()
+    place = view(scheme.points.position)[: scheme.points.fluid]
+    apart = np.abs(place - place[CENTRE]) / scheme.channel.spacing
+    near = np.flatnonzero((apart[:, 0] < 2.5) & (apart[:, 1] < 1.5) & (apart.max(axis=1) > 0.5))
+    assert len(near) == 14
+    give_neighbours(scheme, CENTRE, near)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (1, 0)
+    assert errors(scheme, 2)[CENTRE] < ROUNDING
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("number", [0, 1, 4])
+def test_too_few_neighbours_for_any_order_leave_nothing(assembled, order, number):
+    scheme = assembled(f"scheme.operators.order={order}", jitter=0.2)
+    give_neighbours(scheme, CENTRE, nearest(scheme, CENTRE, number))
+    check_dropped(scheme, CENTRE, order)
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize("step", [1, 12, 13], ids=["row", "column", "diagonal"])
+def test_neighbours_on_a_line_leave_nothing(assembled, order, step):
+    scheme = assembled(f"scheme.operators.order={order}")
+    give_neighbours(scheme, CENTRE, [CENTRE + n * step for n in (-2, -1, 1, 2)])
+    check_dropped(scheme, CENTRE, order)
+
+
+def test_neighbours_all_in_one_place_leave_nothing(assembled):
+    scheme = assembled(jitter=0.2)
+    give_neighbours(scheme, CENTRE, [CENTRE + 1] * 20)
+    check_dropped(scheme, CENTRE, 4)
+
+
+def test_singular_neighbourhoods_are_counted_anew_each_time(assembled):
+    scheme = assembled(jitter=0.2)
+    for i in (CENTRE, CENTRE + 2):
+        give_neighbours(scheme, i, nearest(scheme, i, 4))
+    assert scheme.operators.singular[None] == 2
+    scheme.particles.arrange(0.0)
+    assert (scheme.operators.order_reduced[None], scheme.operators.singular[None]) == (0, 0)
+
+
+def matrix_of(scheme, parity):
+    """The rows of the Laplacian as a square matrix; ghosts have ``parity`` times what their source has."""
+    points = scheme.points
+    table, count = view(points.neighbours), view(points.count)
+    rows, source = view(scheme.operators.laplacian), view(scheme.ghosts.source)
+    matrix = np.zeros((points.fluid, points.fluid))
+    for i in range(points.fluid):
+        for j, value in zip(table[i, : count[i]], rows[i, : count[i]], strict=True):
+            matrix[i, i] -= value
+            if j < points.fluid:
+                matrix[i, j] += value
+            elif j < points.sentinel:
+                matrix[i, source[j - points.capacity]] += parity * value
+    return matrix
+
+
+def set_right_side(solver, b, guess=None):
+    """Give the solver ``b`` and a guess, zero without."""
+    view(solver.b)[: b.size] = b
+    view(solver.x)[: b.size] = 0.0 if guess is None else guess
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """Return a function that gives a list, which grows with every iteration of a solver."""
+
+    def count(solver):
+        done, step = [], solver.step_half
+        monkeypatch.setattr(solver, "step_half", lambda: (done.append(None), step()))
+        return done
+
+    return count
+
+
+def solution(solver):
+    return view(solver.x)[: solver.points.fluid].copy()
+
+
+RESIDUAL = 1e-10
+# coefficient, sigma: short and long viscous steps (times spacing^2), and hardly any sigma
+SYSTEMS = [(1.0, 1.0), (30.0, 1.0), (-1.0, -1e-3)]
+
+
+@pytest.mark.parametrize("order", [2, 4])
+@pytest.mark.parametrize(("coefficient", "sigma"), SYSTEMS)
+def test_the_solver_agrees_with_a_dense_one(assembled, order, coefficient, sigma):
+    scheme = assembled(f"scheme.operators.order={order}", jitter=0.2)
+    if sigma > 0:
+        coefficient *= scheme.channel.spacing**2
+    matrix = sigma * np.eye(scheme.points.fluid) - coefficient * matrix_of(scheme, -1.0)
+    b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
+    solver = BiCGStab(scheme.operators, scheme.ghosts)
+    set_right_side(solver, b)
+    assert solver.solve(coefficient, RESIDUAL, sigma=sigma, max_iterations=1000)
+    # what a residual of this size can mean; the residual that the recursion carries is off by rounding of 1e-14 or so
+    farthest = np.linalg.norm(np.linalg.inv(matrix), 2) * RESIDUAL * np.linalg.norm(b)
+    assert np.linalg.norm(solution(solver) - np.linalg.solve(matrix, b)) <= 1.01 * farthest
+
+
+def test_the_solver_takes_fewer_iterations_from_a_good_guess(assembled, counted):
+    scheme = assembled(jitter=0.2)
+    solver, coefficient = scheme.closed.solver, 10 * scheme.channel.spacing**2
+    b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
+    iterations = counted(solver)
+    set_right_side(solver, b)
+    assert solver.solve(coefficient, RESIDUAL)
+    from_zero, result = len(iterations), solution(solver)
+    set_right_side(solver, b, result + 1e-6 * b)
+    assert solver.solve(coefficient, RESIDUAL)
+    assert np.allclose(solution(solver), result, rtol=0, atol=1e3 * RESIDUAL)  # twice the norm of b, with room
+    assert 0 < len(iterations) - from_zero < from_zero
+
+
+def test_the_solution_as_a_guess_takes_no_iteration(assembled, counted):
+    scheme = assembled(jitter=0.2)
+    coefficient = 10 * scheme.channel.spacing**2
+    exact = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
+    b = exact - coefficient * matrix_of(scheme, -1.0) @ exact
+    iterations = counted(scheme.closed.solver)
+    set_right_side(scheme.closed.solver, b, exact)
+    assert scheme.closed.solver.solve(coefficient, RESIDUAL)
+    assert not iterations
+    assert np.array_equal(solution(scheme.closed.solver), exact)
+
+
+@pytest.mark.parametrize("most", [0, 1])
+def test_the_solver_tells_when_it_has_not_converged(assembled, counted, most):
+    scheme = assembled(jitter=0.2)
+    b = np.random.default_rng(0).uniform(-1.0, 1.0, scheme.points.fluid)
+    solver = BiCGStab(scheme.operators, scheme.ghosts)
+    iterations = counted(solver)
+    set_right_side(solver, b)
+    assert solver.solve(100 * scheme.channel.spacing**2, RESIDUAL, max_iterations=most) is False
+    assert len(iterations) == solver.iterations == most
+    assert np.all(np.isfinite(solution(solver)))
+
+
+def test_the_solver_tells_when_the_right_side_is_not_a_number(assembled):
+    scheme = assembled(jitter=0.2)
+    set_right_side(scheme.closed.solver, np.full(scheme.points.fluid, np.nan))
+    assert not scheme.closed.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
+
+
+def test_nothing_on_the_right_gives_nothing(assembled, counted):
+    scheme = assembled(jitter=0.2)
+    iterations = counted(scheme.closed.solver)
+    set_right_side(scheme.closed.solver, np.zeros(scheme.points.fluid))
+    assert scheme.closed.solver.solve(10 * scheme.channel.spacing**2, RESIDUAL)
+    assert np.all(solution(scheme.closed.solver) == 0.0)
+    assert not iterations

@@ -1,0 +1,314 @@
+"""Bodies that the flow carries, in what a user gets of them: history, trajectories, pictures, ``tisph check``."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+from inside import Contact, Description
+from inside import Trajectories as Read
+from inside import overlays as _overlays
+from inside import steady as _steady
+from inside import suspension_stress as _suspension_stress
+
+from tisph import scenes
+from tisph.cli.check import described, forecast
+from tisph.cli.run import result_text
+from tisph.config import load
+from tisph.geometry.body import gap
+from tisph.observers import history as histories
+from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
+from tisph.observers.samples import Description
+from tisph.observers.vtk import append_bodies
+from tisph.report.layout import arrange
+from tisph.report.overlays import BodyTracks, Solids, Tracks
+from tisph.report.plots import history_figure
+from tisph.simulation.state import start_snapshot, start_values
+from tisph.snapshot import Bodies
+
+CASE = """
+scene: channel
+geometry: {gap: 1.0, length: 2.0}
+walls: {bottom: {velocity: -0.5}, top: {velocity: 0.5}}
+initial: {state: developed}
+fluid: {density: 2.0, kinematic_viscosity: 0.1}
+bodies:
+- {type: circle, centre: [0.5, 0.3], radius: 0.15, motion: free}
+- {type: circle, centre: [1.0, 0.5], radius: 0.15}
+- {type: ellipse, centre: [1.6, 0.7], half_axes: [0.2, 0.15], angle: 0.5, motion: free, density: 3.0}
+discretisation: {particles_across: 20}
+time: {end: 1.0, samples: [1.0]}
+"""
+PLACES = [[0.3 + 0.5 * (k // 2), 0.25 + 0.5 * (k % 2)] for k in range(7)]
+MANY = f"bodies=[{', '.join(f'{{centre: {place}, radius: 0.13, motion: free}}' for place in PLACES)}]"
+
+
+@pytest.fixture
+def make(tmp_path):
+    """Return a function that gives config, scene and snapshot at t = 0 of the case with overrides."""
+
+    def build(*overrides):
+        (tmp_path / "case.yaml").write_text(CASE)
+        config = load(tmp_path / "case.yaml", overrides)
+        scene = scenes.of(config)
+        return config, scene, start_snapshot(scene, start_values(scene, config.initial), "f64")
+
+    return build
+
+
+def moved(scene, snapshot, t, **changes):
+    """The ``snapshot`` at time ``t`` with known loads on bodies and other numbers of them."""
+    loads = np.arange(8.0 * len(scene.bodies)).reshape(2, -1, 4) + t
+    bodies = Bodies.at(0.0, scene.bodies, loads, contact=np.full((len(scene.bodies), 4), t))
+    return replace(snapshot, t=t, bodies=replace(bodies, **changes))
+
+
+def test_history_has_places_and_velocities_beside_forces(make):
+    _, scene, snapshot = make()
+    series = scene.time_series()
+    angles, speeds = np.array([7.0, 0.0, -3.0, 0.0, 0.0]), np.arange(5.0)
+    centres = np.arange(10.0).reshape(5, 2)  # beyond the period: it does not bring them back
+    found = dict(
+        zip(
+            series.columns,
+            series.measure(moved(scene, snapshot, 0.0, angle=angles, angular_velocity=speeds, centre=centres)),
+            strict=True,
+        )
+    )
+    assert [found[name] for name in ("x_0", "y_0", "angle_0", "angular_velocity_0")] == [0.0, 1.0, 7.0, 0.0]
+    assert [found[name] for name in ("x_2", "y_2", "angle_2", "angular_velocity_2")] == [4.0, 5.0, -3.0, 2.0]
+    assert [found[name] for name in ("drag_0", "drag_1", "torque_2")] == [0.0, 4.0, 10.0]
+    assert not any(name in found for name in ("x_1", "x_top", "drag_top"))
+    assert {name[:-2] for name in series.drifting} == {"x", "y", "angle"}
+
+
+def test_of_many_bodies_means_are_followed(make):
+    _, scene, snapshot = make(MANY)
+    series = scene.time_series()
+    assert series.columns == [
+        "bodies_mean_u",
+        "bodies_mean_v",
+        "bodies_mean_angular_speed",
+        *scene.mean_stress_names,
+        "superficial_velocity",
+    ]
+    count = len(scene.bodies)
+    velocity = np.stack([np.arange(count), -np.ones(count)], axis=1)
+    turning = moved(scene, snapshot, 0.0, velocity=velocity, angular_velocity=(-1.0) ** np.arange(count))
+    assert series.measure(turning)[:3].tolist() == [3.0, -1.0, 1.0]
+    assert scene.movie_series().measure(turning).tolist() == [3.0, -1.0]
+
+
+def test_the_picture_shows_places_and_no_forces(make):
+    _, scene, _ = make()
+    times, columns = np.linspace(0.0, 1.0, 11), list(scene.time_series().columns)
+    values = np.ones((11, len(columns)))
+    values[:, columns.index("y_0")] = 0.3 + 1e-12 * times
+    resolved = np.array([True] * 3 + [False] * 4 + [True] * 4)
+    figure = history_figure(scene, {}, times, values, resolved)
+    names = [axes.get_ylabel() for axes in figure.axes]
+    assert names == ["x [m]", "y [m]", "angle [rad]", "mean shear stress [Pa]", "superficial velocity [m/s]"]
+    assert [len(axes.lines) for axes in figure.axes] == [2, 2, 2, 3, 1]
+    for axes in figure.axes:  # shaded where it says so, at any time
+        (shade,) = axes.patches
+        assert shade.get_x() == pytest.approx(0.3, abs=1e-12)
+        assert shade.get_width() == pytest.approx(0.3, abs=1e-12)
+    assert figure.axes[1].get_ylim()[0] > 0.0  # around places, not from 0
+
+
+def test_the_movie_shows_heights_and_no_more_than_fit(make):
+    _, scene, snapshot = make()
+    series = scene.movie_series()
+    assert (series.name, series.columns) == ("y", ["y_0", "y_2"])
+    assert series.measure(moved(scene, snapshot, 0.0)).tolist() == [0.3, 0.7]
+
+
+def test_a_drifting_body_may_be_in_a_steady_state(tmp_path, make):
+    _, scene, _ = make()
+    history = SimpleNamespace(time_series=scene.time_series(), path=tmp_path / "history.csv")
+    columns = list(history.time_series.columns)
+    for drifting, steady_since in (("x_0", 0.0), ("angle_2", 0.0), ("u_0", None)):
+        rows = [[t, *(t if name == drifting else 0.0 for name in columns)] for t in (0.0, 0.5, 1.0)]
+        history.path.write_text("".join(",".join(map(str, row)) + "\n" for row in [["t", *columns], *rows]))
+        assert _steady(history) == {"steady_since": steady_since}
+
+
+def test_gaps_in_the_history_are_those_of_the_time(tmp_path, make, monkeypatch):
+    """A resumed run has what the file says: it does not know any more where bodies were."""
+    monkeypatch.setattr(histories, "RECORDS", 3)
+    _, scene, snapshot = make("discretisation.particles_across=30")
+    start = Bodies.at(0.0, scene.bodies)
+    near = start.centre + np.array([[0.15, 0.2], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])  # 1.5 spacings
+    path = tmp_path / "history.csv"
+    history = History(path, scene, scene.time_series(), 2.0)
+    for t, centre in ((0.0, start.centre), (1.0, near), (2.0, start.centre)):
+        history.observe(moved(scene, snapshot, t, centre=centre))
+    assert read_resolved(path).tolist() == [False, False, True]  # at first a layer is thin, then a gap
+    text = path.read_text()
+    again = History(path, scene, scene.time_series(), 2.0, resumed_at=1.0)
+    again.observe(moved(scene, snapshot, 2.0, centre=start.centre))
+    assert path.read_text() == text
+
+
+# --- trajectories
+
+
+def test_trajectories_have_bodies_with_names_and_units(tmp_path, make):
+    config, scene, snapshot = make("units={length: cm, mass: g, time: s}")
+    path = tmp_path / "bodies.h5"
+    trajectories = Trajectories(path, scene, 1.0, about=Description(config, scene))
+    assert Read(path)["t"].size == 0  # readable from the first moment on
+    states = [moved(scene, snapshot, t, angle=np.arange(5.0) + 10 * t) for t in (0.0, 0.5, 1.0)]
+    for state in states:
+        trajectories.observe(state)
+    trajectories.close()
+    found = Read(path)
+    assert (found.names, found.shapes) == (["0", "1", "2"], ["circle", "circle", "ellipse"])
+    assert found.free.tolist() == [True, False, True]
+    assert set(found) == {"t", *BODY_FIELDS}
+    for name in BODY_FIELDS:
+        assert np.array_equal(found[name], [getattr(state.bodies, name)[:3] for state in states])
+    assert found.units["contact_force"] == found.units["force"] == "g/s^2"
+    assert (found.units["angular_velocity"], found.units["t"], found.units["centre"]) == ("rad/s", "s", "cm")
+    with pytest.raises(KeyError, match="speed"):
+        found["speed"]
+    with h5py.File(path) as file:
+        assert load_text(tmp_path, file.attrs["config"]) == config
+
+
+def load_text(folder, text):
+    (folder / "again.yaml").write_text(text)
+    return load(folder / "again.yaml")
+
+
+def test_interrupted_trajectories_go_on_with_the_same_bytes(tmp_path, make, monkeypatch):
+    monkeypatch.setattr(histories, "RECORDS", 5)
+    config, scene, snapshot = make()
+    about, times = Description(config, scene), [0.0, 0.25, 0.5, 0.75, 1.0]
+    paths = [tmp_path / "whole.h5", tmp_path / "cut.h5"]
+    for path, seen in zip(paths, (times, times[:4]), strict=True):
+        trajectories = Trajectories(path, scene, 1.0, about=about)
+        for t in seen:
+            trajectories.observe(moved(scene, snapshot, t))
+        trajectories.flush()
+    again = Trajectories(paths[1], scene, 1.0, resumed_at=0.6, about=about)  # the last one came after the checkpoint
+    assert again.schedule.take(1.0) == [0.75, 1.0]
+    for t in (0.75, 1.0):
+        again.observe(moved(scene, snapshot, t))
+    again.close()
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+# --- pictures
+
+
+def painted(layer, layout, snapshots):
+    panel = np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
+    for snapshot in snapshots:
+        panel[:] = 255
+        layer.paint(panel, snapshot)
+    return panel
+
+
+def test_the_spoke_of_a_free_body_turns_unless_it_is_held(make):
+    dark = {}
+    for hold in ("[]", "[angle]"):
+        _, scene, snapshot = make(f"bodies=[{{centre: [1.0, 0.5], radius: 0.3, motion: free, hold: {hold}}}]")
+        layout = arrange(scene, 1280, 640)
+        for angle in (0.0, 0.5 * np.pi):
+            state = moved(scene, snapshot, 0.0, angle=np.full(3, angle))
+            panel = painted(Solids(scene, layout), layout, [state])
+            row, column = layout.box.height // 2, layout.box.width // 2
+            half = int(0.15 * layout.pixels_per_length)
+            right, above = (panel[row - 2 : row + 3, column + half], panel[row - half, column - 2 : column + 3])
+            dark[hold, angle] = [part[:, 0].min() < 150 for part in (right, above)]
+    assert dark["[]", 0.0] == [True, False]
+    assert dark["[]", 0.5 * np.pi] == [False, True]
+    assert dark["[angle]", 0.0] == dark["[angle]", 0.5 * np.pi] == [False, False]
+
+
+def test_bodies_leave_wider_tracks_that_end_at_periodic_sides(make):
+    _, scene, snapshot = make("bodies=[{centre: [1.0, 0.5], radius: 0.3, motion: free}]")
+    layout = arrange(scene, 1280, 640)
+    places = 1.7, 1.9, 2.1, 2.3  # twice through the side at x = 2
+    states = [moved(scene, snapshot, float(k), centre=np.full((3, 2), [x, 0.5])) for k, x in enumerate(places)]
+    dark = painted(BodyTracks(scene, layout), layout, states)[:, :, 0] < 100
+    columns = np.flatnonzero(dark.any(axis=0)) / layout.pixels_per_length
+    head = 6.0 * layout.scale / layout.pixels_per_length
+    assert (((columns > 1.7 - head) & (columns < 1.9 + head)) | ((columns > 0.1 - head) & (columns < 0.3 + head))).all()
+    assert (columns > 1.7).any()
+    thin = [
+        SimpleNamespace(t=state.t, x=np.array([x % 2.0]), y=np.array([0.5]))
+        for state, x in zip(states, places, strict=True)
+    ]
+    middle = int(1.8 * layout.pixels_per_length)
+    widths = [dark[:, middle].sum(), (painted(Tracks(scene, layout), layout, thin)[:, middle, 0] < 100).sum()]
+    assert widths[0] > widths[1] > 0
+
+
+@pytest.mark.parametrize(("overlay", "expected"), [("tracks", True), ("none", False)])
+def test_tracks_of_bodies_lie_over_these(make, overlay, expected):
+    _, scene, _ = make()
+    assert (_overlays(scene, overlay)[-1] is BodyTracks) == expected
+
+
+# --- other outputs
+
+
+def test_exported_bodies_move_and_have_velocities(tmp_path, make):
+    config, scene, snapshot = make()
+    velocity = np.arange(10.0).reshape(5, 2)
+    with h5py.File(tmp_path / "bodies.vtkhdf", "w") as file:
+        for t in (0.0, 1.0):
+            centre = moved(scene, snapshot, t).bodies.centre + np.array([0.1 * t, 0.0])
+            append_bodies(file, moved(scene, snapshot, t, velocity=velocity, centre=centre), Description(config, scene))
+        root = file["VTKHDF"]
+        first, second = np.split(root["Points"][...], 2)
+        assert np.allclose(second - first, [0.1, 0.0, 0.0], atol=1e-15)
+        assert np.array_equal(root["CellData/velocity"][:3, :2], velocity[:3])
+        assert root["CellData/contact_force"][3:].tolist() == [[1.0, 1.0, 0.0]] * 3
+
+
+def test_check_says_what_is_free_and_what_its_speed_is(make):
+    config, *_ = make()
+    lines = "\n".join(described(config, *forecast(config)))
+    assert "at the start; gaps will change as bodies move" in lines
+    assert "free bodies            2 of 3, of 1, 1.5 times the density of the fluid" in lines
+    assert "speed U                0.5 m/s, of the fastest body or wall" in lines
+    config, *_ = make("walls={}", "initial.state=rest", "drive.gravity=[0.0, -1.0]")
+    lines = "\n".join(described(config, *forecast(config)))
+    assert "an estimate: of a free body under its load" in lines
+    assert "Reynolds number        about " in lines
+
+
+@pytest.mark.parametrize(("count", "words"), [(0, None), (1, "touched once, for 0.5 s"), (3, "touched 3 times")])
+def test_a_run_with_contacts_says_so_at_its_end(make, count, words):
+    config, scene, _ = make()
+    costs = dict.fromkeys(("wall_loop_s", "wall_compile_s", "wall_output_s", "wall_import_s", "wall_total_s"), 1.0)
+    numbers = {"contacts": count, "contact_time": 0.5, "contact_force": 1.0}
+    summary = json.loads(json.dumps({"samples": [], "numbers": numbers, "cost": {"steps": 3, **costs}}))
+    text = result_text(config, scene, summary)
+    assert ("touched" in text) == bool(words)
+    assert words is None or words in text
+
+
+def test_only_where_the_flow_carries_bodies_is_contact_known(make):
+    _, scene, snapshot = make()
+    assert np.isnan(snapshot.bodies.contact_force).all()
+    assert snapshot.bodies.contact_force.shape == (5, 2)
+    assert Bodies.at(0.0, [body for body in scene.bodies if not body.free]).contact_force is None
+
+
+def test_pairs_that_are_left_out_of_contact_do_not_touch(make):
+    _, scene, _ = make(MANY)
+    draw = np.random.default_rng(1)
+    for _ in range(5):
+        centres = draw.uniform((0.0, 0.1), (4.0, 0.9), (7, 2))
+        bodies = [replace(body, centre=tuple(place)) for body, place in zip(scene.bodies, centres, strict=False)]
+        bodies += scene.bodies[7:]
+        contact = Contact(bodies, 0.1, 1.0, 0.05)
+        near = contact._near_pairs(0.0)
+        assert 0 < len(near) < len(contact.pairs)
+        assert all(gap(bodies[i], bodies[j]) > 0.1 for i, j in set(contact.pairs) - set(near))

@@ -1,0 +1,356 @@
+"""Movies: frames, encoder, the frame of the flow, and both halves of a cut through the axis."""
+
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import imageio_ffmpeg
+import matplotlib
+import numpy as np
+import pytest
+from PIL import Image
+from report_scene import END, VIDEO, Drawn, make_channel, make_snapshot, make_video, particles
+
+from tisph import config, scenes
+from tisph.errors import TisphError
+from tisph.geometry.motion import WallMotion
+from tisph.measures.metrics import relative_error
+from tisph.report import style
+from tisph.report.encoder import Encoder
+from tisph.report.labels import error_label
+from tisph.report.layout import arrange
+from tisph.report.movie import FullCut, Movie
+from tisph.report.overlays import Streamlines
+from tisph.simulation.state import start_snapshot, start_values
+
+TIMES = (0.0, 1.0, 2.0, 5.0, 10.0, 20.0)
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory):
+    """A finished movie and its frames as drawn."""
+    channel, path = make_channel(), tmp_path_factory.mktemp("movie") / "movie.mp4"
+    with Movie(path, channel, VIDEO, "test", END) as movie:
+        for t in TIMES:
+            movie.add(make_snapshot(channel, t))
+        frames = [movie.frame(make_snapshot(channel, t)) for t in TIMES]
+    return path, frames
+
+
+def read(path):
+    """Metadata and frames, uint8 of shape (frames, height, width, 3)."""
+    reader = imageio_ffmpeg.read_frames(str(path))
+    metadata = next(reader)
+    width, height = metadata["size"]
+    return metadata, np.array([np.frombuffer(frame, np.uint8).reshape(height, width, 3) for frame in reader])
+
+
+def test_movie_is_h264_yuv420p_of_the_size_and_rate_asked_for(film):
+    metadata, frames = read(film[0])
+    assert metadata["codec"] == "h264"
+    assert metadata["pix_fmt"].startswith("yuv420p")
+    assert metadata["size"] == (VIDEO.width, VIDEO.height)
+    assert metadata["fps"] == VIDEO.fps
+    assert len(frames) == len(TIMES)
+
+
+def test_movie_shows_the_frames_in_the_order_they_were_drawn(film):
+    path, drawn = film
+    _, shown = read(path)
+    drawn = np.array(drawn, dtype=float)
+    difference = np.abs(shown[:, None] - drawn[None]).mean(axis=(2, 3, 4))
+    assert difference.argmin(axis=1).tolist() == list(range(len(TIMES)))  # every frame looks most like itself
+
+
+def test_movie_keeps_the_colours_that_were_drawn(tmp_path):
+    colours = np.array([[68, 1, 84], [33, 145, 140], [253, 231, 37], [209, 54, 47], [255, 255, 255]], np.uint8)
+    with_idle_bytes = np.column_stack([colours, [0, 50, 100, 200, 255]]).astype(np.uint8)
+    frame = np.repeat(np.repeat(with_idle_bytes[None], 64, axis=0), 64, axis=1)
+    encoder = Encoder(tmp_path / "movie.mp4", frame.shape[1], frame.shape[0], 30)
+    for _ in range(3):
+        encoder.write(frame)
+    encoder.close()
+    shown = read(tmp_path / "movie.mp4")[1][0].astype(float)
+    middles = shown.reshape(64, 5, 64, 3)[24:40, :, 24:40].mean(axis=(0, 2))
+    # Bytes of YUV and back, slightly lossy: 4 levels. The matrix of standard-definition video would be off by 12
+    # where the file says the other, which is what a player would show.
+    assert np.abs(middles - colours).max() <= 4.0
+
+
+def test_file_can_be_played_before_it_is_complete(film):
+    data = film[0].read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")  # faststart: the table of contents comes first
+
+
+def test_interrupted_movie_keeps_the_frames_it_had(tmp_path):
+    path, channel = tmp_path / "movie.mp4", make_channel()
+    movie = Movie(path, channel, VIDEO, "test", END)
+
+    def run():
+        with movie:
+            for t in TIMES:
+                movie.add(make_snapshot(channel, t))
+                if t == 2.0:
+                    # Half a frame is in the pipe when Ctrl-C arrives.
+                    movie._encoder._process.stdin.write(bytes(VIDEO.width * VIDEO.height))
+                    raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert len(read(path)[1]) == 3
+
+
+def test_single_frames_need_no_movie(tmp_path):
+    channel = make_channel()
+    with Movie(tmp_path / "movie.mp4", channel, VIDEO, "test", END) as movie:
+        frame = movie.frame(make_snapshot(channel, 1.0))
+        movie.save_frame(tmp_path / "preview.png", make_snapshot(channel, 1.0))
+    assert frame.shape == (VIDEO.height, VIDEO.width, 3)
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "preview.png")), frame)
+    assert not (tmp_path / "movie.mp4").exists()
+
+
+def test_frames_stay_as_they_were_when_the_next_one_is_drawn():
+    channel = make_channel()
+    movie = Movie("unused.mp4", channel, VIDEO, "test", END)
+    first = movie.frame(make_snapshot(channel, 1.0))
+    kept = first.copy()
+    movie.frame(make_snapshot(channel, 10.0))
+    assert np.array_equal(first, kept)
+
+
+def test_closing_twice_is_harmless(tmp_path):
+    channel = make_channel()
+    movie = Movie(tmp_path / "movie.mp4", channel, VIDEO, "test", END)
+    movie.add(make_snapshot(channel, 1.0))
+    movie.close()
+    movie.close()
+
+
+def test_missing_ffmpeg_is_one_clear_message(tmp_path, monkeypatch):
+    def missing():
+        raise RuntimeError("No ffmpeg exe could be found")
+
+    monkeypatch.setattr("tisph.report.encoder.get_ffmpeg_exe", missing)
+    with pytest.raises(TisphError, match=r"movie\.mp4: ffmpeg could not be started.*No ffmpeg exe"):
+        Encoder(tmp_path / "movie.mp4", 320, 240, 30)
+
+
+def test_movie_that_cannot_be_written_says_why(tmp_path):
+    encoder = Encoder(tmp_path / "no_such_folder" / "movie.mp4", 320, 240, 30)
+    frame = np.zeros((240, 320, 4), dtype=np.uint8)
+
+    def write_all():
+        for _ in range(50):
+            encoder.write(frame)
+        encoder.close()
+
+    with pytest.raises(TisphError, match="No such file or directory"):
+        write_all()
+    encoder.close()
+
+
+def test_error_of_the_run_is_not_hidden_by_a_broken_movie(tmp_path):
+    channel = make_channel()
+
+    def run():
+        with Movie(tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END) as movie:
+            movie.add(make_snapshot(channel, 1.0))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+
+
+def test_frames_of_the_wrong_shape_are_refused(tmp_path):
+    encoder = Encoder(tmp_path / "movie.mp4", 320, 240, 30)
+    with pytest.raises(ValueError, match=r"expected uint8 \(240, 320, 4\)"):
+        encoder.write(np.zeros((320, 240, 4), dtype=np.uint8))
+    encoder.close()
+
+
+WIDTH, HEIGHT = 960, 480
+WIDE = make_video(WIDTH, HEIGHT)
+LINEAR = {"initial_state": "developed"}
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    return Drawn(make_channel(**LINEAR), WIDE, "test", END)
+
+
+def pixel(renderer, x, y):
+    """Row and column in the frame of a place in the channel."""
+    rect, scale = renderer.layout.box, renderer.layout.pixels_per_length
+    return rect.top + int((renderer.scene.gap - y) * scale), rect.left + int(x * scale)
+
+
+def test_frame_has_the_size_asked_for_in_bytes(renderer):
+    frame = renderer.render(make_snapshot(renderer.scene, 1.0))
+    assert frame.shape == (HEIGHT, WIDTH, 3)
+    assert frame.dtype == np.uint8
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.7, 1.0, 1.5])
+def test_disc_has_the_colour_of_its_speed(renderer, fraction):
+    channel = renderer.scene
+    speed = fraction * channel.reference_velocity
+    frame = renderer.render(particles(channel, 1.0, [0.004], [0.006], [-speed]))
+    expected = 255 * np.array(matplotlib.colormaps["viridis"](min(fraction, 1.0))[:3])
+    # The look-up table has 256 speeds and 256 coverages: neighbours differ by at most 2 levels, and are whole ones.
+    assert np.abs(frame[pixel(renderer, 0.004, 0.006)] - expected).max() <= 2.5
+
+
+def test_a_disc_is_at_its_particle_and_the_rest_is_white(renderer):
+    x, y = 0.0137, 0.0031
+    frame = renderer.render(particles(renderer.scene, 1.0, [x], [y], [0.0]))
+    ink = 255.0 - frame[renderer.layout.box.slices][:, :, 0]
+    rows, columns = np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5
+    scale = renderer.layout.pixels_per_length
+    # Rim sampling as in the raster tests, and bytes: a twentieth of a pixel.
+    assert (ink * columns).sum() / ink.sum() == pytest.approx(x * scale, abs=0.05)
+    assert (ink * rows).sum() / ink.sum() == pytest.approx((renderer.scene.gap - y) * scale, abs=0.05)
+    assert np.count_nonzero(ink) < 4 * (2 * renderer.disc_radius + 2) ** 2
+
+
+def test_two_snapshots_differ_only_where_something_moves(renderer):
+    channel, layout = renderer.scene, renderer.layout
+    early, late = make_snapshot(channel, 1.0), make_snapshot(channel, 20.0, slip=0.1)
+    changed = np.any(renderer.render(early).copy() != renderer.render(late), axis=2)
+    for part in (layout.box, layout.profile, layout.series, layout.time_label, layout.error_label):
+        assert changed[part.slices].any()
+        changed[part.slices] = False
+    assert not changed.any()
+
+
+def test_same_snapshot_gives_the_same_frame(renderer):
+    snapshot = make_snapshot(renderer.scene, 1.0)
+    first = renderer.render(snapshot).copy()
+    renderer.render(make_snapshot(renderer.scene, 5.0, slip=0.2))
+    assert np.array_equal(first, renderer.render(snapshot))
+
+
+def test_exact_curve_and_dots_stand_at_their_velocity(renderer):
+    channel, rect = renderer.scene, renderer.layout.profile
+    lowest, highest = renderer.quantity.profile_range
+    shift = 0.5
+    frame = renderer.render(make_snapshot(channel, 1.0, slip=shift)).astype(float)
+    red = 255 * np.array(matplotlib.colors.to_rgb(style.EXACT))
+    blue = 255 * np.array(matplotlib.colors.to_rgb(style.PARTICLES))
+    row = rect.top + int((1 - 3.5 / channel.rows) * rect.height)  # through the fourth row of particles
+    u = channel.exact_velocity(channel.gap * 3.5 / channel.rows, 1.0)
+    for colour, velocity in ((red, u), (blue, u + shift * channel.reference_velocity)):
+        distance = np.abs(frame[row, rect.left + 1 : rect.right - 1] - colour).max(axis=1)
+        columns = np.flatnonzero(distance < 40)  # the core of line or dot, not its soft rim
+        expected = (velocity - lowest) / (highest - lowest) * rect.width
+        assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
+
+
+def test_a_periodic_edge_shows_both_parts_of_a_disc(renderer):
+    frame = renderer.render(particles(renderer.scene, 1.0, [0.0], [0.005], [0.0]))
+    panel = frame[renderer.layout.box.slices]
+    middle = panel.shape[0] // 2
+    assert panel[middle, 0, 0] < 100
+    assert panel[middle, -1, 0] < 100
+    long = Drawn(make_channel(length=0.1), WIDE, "test", END)
+    panel = long.render(particles(long.scene, 1.0, [0.0], [0.005], [0.0]))[long.layout.box.slices]
+    assert panel[panel.shape[0] // 2, 0, 0] < 100
+    assert panel[panel.shape[0] // 2, -1, 0] == 255
+
+
+@pytest.mark.parametrize("velocity", [0.005, -0.005])
+def test_arrows_show_the_motion_of_walls(velocity):
+    renderer = Drawn(make_channel(top=WallMotion(velocity)), WIDE, "test", END)
+    frame = renderer.render(make_snapshot(renderer.scene, 1.0))
+    layout, rect = renderer.layout, renderer.layout.box
+    wall = frame[rect.top - layout.wall_thickness + 2 : rect.top - 2, rect.left : rect.left + rect.width // 3, 0]
+    white = (wall > 200).sum(axis=0)
+    arrows = np.flatnonzero(white)
+    first = arrows[: np.flatnonzero(np.diff(np.append(arrows, arrows[-1] + 9)) > 1)[0] + 1]
+    head = np.argmax(white[first])  # the head is wider than the shaft
+    assert (head > len(first) / 2) == (velocity > 0)
+    resting = frame[rect.bottom + 2 : rect.bottom + layout.wall_thickness - 2, rect.left : rect.right]
+    assert resting.mean() > 180  # hatched and light: no dark bar, so no arrows
+
+
+def test_particles_gone_wrong_do_not_stop_the_picture(renderer):
+    channel = renderer.scene
+    wrong = particles(channel, 1.0, [0.001, np.nan, 0.003, 0.007], [0.005, 0.005, np.inf, 0.005], [0, 0, 0, np.nan])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        frame = renderer.render(wrong)
+    assert frame[pixel(renderer, 0.001, 0.005)][0] < 100
+
+
+def test_user_settings_of_matplotlib_do_not_reach_the_picture(renderer):
+    with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
+        other = Drawn(renderer.scene, WIDE, "test", END)
+    snapshot = make_snapshot(renderer.scene, 1.0)
+    assert np.array_equal(other.render(snapshot), renderer.render(snapshot))
+
+
+def test_error_is_relative_to_the_exact_profile():
+    channel = make_channel(**LINEAR)
+    x, y = channel.lattice()
+    exact = channel.exact_velocity(y, 1.0)
+    assert relative_error(channel, particles(channel, 1.0, x, y, 1.01 * exact)) == pytest.approx(0.01)
+    at_rest = make_channel()
+    assert relative_error(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) is None
+    assert error_label(at_rest)(particles(at_rest, 0.0, x, y, 0 * x)) == "unresolved: 0.0 spacings"
+
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+def start(name):
+    """Scene and first snapshot of a config with few particles."""
+    one = config.load(CONFIGS / f"{name}.yaml", ["discretisation.particles_across=20"])
+    scene = scenes.of(one)
+    return scene, start_snapshot(scene, start_values(scene, SimpleNamespace(jitter=0.2, seed=0)), "f64")
+
+
+def picture(scene, snapshot, **video):
+    """The box of a frame, int (rows, columns, 3), without the columns around the line of its profile."""
+    drawn = Drawn(scene, make_video(960, 480, **video))
+    box = drawn.render(snapshot)[drawn.layout.box.slices].astype(int)
+    line = (drawn.quantity.profile.line.place - drawn.layout.low[0]) * drawn.layout.pixels_per_length
+    columns = np.arange(box.shape[1])
+    return box[:, np.minimum(abs(columns - line), box.shape[1] - abs(columns - line)) > 6]
+
+
+@pytest.mark.parametrize("overlay", ["none", "vectors", "streamlines"])
+@pytest.mark.parametrize(
+    ("name", "colour"), [("taylor_vortices", "swirl"), ("taylor_vortices", "v"), ("sphere_in_tube", "stream_function")]
+)
+def test_lower_half_is_the_mirror_image_of_the_upper_one(name, colour, overlay):
+    scene, snapshot = start(name)
+    if name == "sphere_in_tube":  # past a sphere that stands still
+        snapshot = replace(snapshot, u=snapshot.u + 1.0, v=0.5 * np.sin(np.pi * snapshot.x) * snapshot.y)
+    box = picture(scene, snapshot, color_by=colour, overlay=overlay)
+    different = np.abs(box - box[::-1]).max(axis=2) > 24
+    # edges of walls and strokes may fall between pixels otherwise; a stroke on the wrong side would be several wide
+    thick = different[1:-1, 1:-1] & different[:-2, 1:-1] & different[2:, 1:-1]
+    assert thick.mean() < 1e-3
+    assert box.std() > 10  # something is drawn
+
+
+def test_streamlines_are_lines_of_the_stream_function_of_stokes_in_both_halves():
+    scene, snapshot = start("taylor_vortices")
+    cut = FullCut(scene)
+    lines = Streamlines(cut, arrange(cut, 640, 320)).lines(cut.mirrored(snapshot))
+    assert len(lines) == 20  # ten lines in each half
+    sides = [np.sign(line[:, 1].mean()) for line in lines]
+    assert sides.count(1.0) == sides.count(-1.0) == 10
+    for x, y in (line.T for line in lines):
+        radius = np.abs(y)
+        psi = radius * 16.0 * ((radius - 1.0) * (2.0 - radius)) ** 2 * np.sin(2 * np.pi * x / scene.length)
+        assert np.ptp(psi) < 0.05 * 1.6  # of the largest; means of the nearest are of second order
+
+
+def test_walls_are_in_either_half_and_bodies_on_the_axis_are_whole():
+    cut = FullCut(start("taylor_vortices")[0])
+    assert cut.extent[1] == 4.0
+    assert cut.sides == (1.0, -1.0, 1.0, -1.0)
+    assert len(FullCut(start("pipe")[0]).bodies) == 2
+    assert len(FullCut(start("sphere_in_tube")[0]).bodies) == 3

@@ -1,0 +1,390 @@
+"""Fields, dye, paths, streamlines, arrows and bodies of a movie frame: where they are, and where none are."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from report_scene import END, Drawn, make_annulus, make_channel, make_snapshot, make_video
+
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.line import Line
+from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.polygon import Polygon
+from tisph.report import style
+from tisph.report.field import Dye, FieldGrid
+from tisph.report.layout import arrange
+from tisph.report.overlays import Solids, Streamlines, Tracks, Vectors
+from tisph.simulation.state import start_snapshot, start_values
+from tisph.snapshot import Bodies, Snapshot
+
+SHAPE = 160, 240
+SIZE = 1.5, 1.0
+HOLE = 0.7, 0.4, 0.2
+
+
+def places(rows, seed=0):
+    """Disordered particles of a box of ``SIZE``, and their spacing."""
+    spacing = 1.0 / rows
+    x, y = np.meshgrid((np.arange(round(1.5 * rows)) + 0.5) * spacing, (np.arange(rows) + 0.5) * spacing)
+    shift = np.random.default_rng(seed).uniform(-0.3, 0.3, (2, x.size)) * spacing
+    return x.ravel() + shift[0], y.ravel() + shift[1], spacing
+
+
+def pixels():
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]] + 0.5
+    return columns / SHAPE[1] * SIZE[0], (1.0 - rows / SHAPE[0]) * SIZE[1]
+
+
+def away(x, y):
+    return np.hypot(x - HOLE[0], y - HOLE[1])
+
+
+def test_a_linear_field_is_met_up_to_walls_and_around_a_hole():
+    x, y, spacing = places(24)
+    wet = away(x, y) > HOLE[2] + 0.3 * spacing
+    grid = FieldGrid((0, 0), SIZE, SHAPE, spacing, (False, False))
+    grid.fit(x[wet], y[wet], 2.0 + 3.0 * x[wet] - 5.0 * y[wet])
+    column, row = pixels()
+    error = np.abs(grid.image() - (2.0 + 3.0 * column - 5.0 * row))
+    # what is added to second moments of about 1/3, less beside a wall, flattens slopes of 6 by some thousandths of a
+    # spacing, and float32 is behind that
+    assert np.nanmax(error[away(column, row) > HOLE[2]]) < 0.05 * 6.0 * spacing
+    assert np.isfinite(error[away(column, row) > HOLE[2]]).all()
+    assert np.isnan(grid.image()[away(column, row) < 0.02]).all()  # no particle is near
+    x, y = np.array([0.2, 1.3]), np.array([0.01, 0.6])
+    assert grid.at(x, y) == pytest.approx(2.0 + 3.0 * x - 5.0 * y, abs=0.02)
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_errors_fall_with_the_square_of_the_spacing(periodic):
+    def wave(x, y):
+        return np.sin(4.0 * np.pi * x / 3.0) * np.cos(2.0 * np.pi * y)
+
+    errors = []
+    for rows in (20, 40):
+        x, y, spacing = places(rows)
+        grid = FieldGrid((0, 0), SIZE, SHAPE, spacing, (periodic, periodic))
+        grid.fit(x, y, wave(x, y))
+        errors.append(np.sqrt(np.mean((grid.image() - wave(*pixels())) ** 2)))
+    assert errors[0] / errors[1] > 3.2  # 4 but for disorder
+    assert errors[1] < 3e-3
+
+
+def test_a_field_goes_on_through_a_periodic_side():
+    spacing = 1.0 / 40
+    grid = FieldGrid((0, 0), SIZE, SHAPE, spacing, (True, True))
+    x, y, _ = places(40)
+    grid.fit(x + 0.4, y - 0.7, np.cos(4.0 * np.pi * (x + 0.4) / 3.0))  # some have left the box
+    assert grid.image() == pytest.approx(np.cos(4.0 * np.pi * pixels()[0] / 3.0), abs=0.01)
+
+
+def test_particles_that_are_no_numbers_leave_the_others_alone():
+    x, y, spacing = places(20)
+    grid = FieldGrid((0, 0), SIZE, SHAPE, spacing, (False, False))
+    values = np.ones_like(x)
+    values[5], x[8] = np.nan, np.inf
+    grid.fit(x, y, values)
+    assert grid.image() == pytest.approx(1.0, abs=1e-5)
+
+
+def box():
+    return SimpleNamespace(
+        origin=(0.0, 0.0), extent=SIZE, periodic=(True, False), walls=(), bodies=(), spacing=0.05, acceleration=0.0
+    )
+
+
+@pytest.mark.parametrize("pattern", ["stripes", "checkerboard", "blob"])
+def test_dye_stays_with_its_particles(pattern):
+    x, y, _ = places(20)
+    dye = Dye(box(), pattern)
+    first = dye.of(SimpleNamespace(x=x, y=y))
+    assert set(np.unique(first)) == {0.0, 1.0}
+    assert np.array_equal(dye.of(SimpleNamespace(x=y, y=x)), first)
+    share = {"stripes": 0.5, "checkerboard": 0.5, "blob": np.pi * 0.15**2 / 1.5}[pattern]
+    assert first.mean() == pytest.approx(share, abs=0.02)
+
+
+def test_a_track_follows_its_particle_and_ends_at_a_periodic_side():
+    scene = box()
+    layout = arrange(scene, 1280, 640)
+    tracks, panel = Tracks(scene, layout), np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
+    for t, x in ((0.0, 1.2), (1.0, 1.4), (2.0, 0.1), (3.0, 0.3)):
+        panel[:] = 255
+        tracks.paint(panel, SimpleNamespace(t=t, x=np.array([x]), y=np.array([0.5])))
+    dark = np.flatnonzero(panel[:, :, 0].min(axis=0) < 100) / layout.pixels_per_length
+    head = 4.0 * layout.scale / layout.pixels_per_length
+    on_track = [(low - head < dark) & (dark < high + head) for low, high in ((1.2, 1.4), (0.1, 0.3))]
+    assert np.logical_or(*on_track).all()
+    assert all(part.any() for part in on_track)
+    rows = np.flatnonzero(panel[:, :, 0].min(axis=1) < 100) / layout.pixels_per_length
+    assert abs(rows.mean() - 0.5) < head
+
+
+ACROSS = 40
+BOX = SimpleNamespace(
+    extent=(1.0, 1.0), origin=(0.0, 0.0), periodic=(True, True), spacing=1 / ACROSS, reference_velocity=1.0,
+    bodies=(), walls=(), axisymmetric=False, seen=lambda snapshot: BOX,
+)  # fmt: skip
+
+
+def lines(scene, snapshot):
+    """Return the lines in a frame of ``scene``."""
+    return Streamlines(scene, arrange(scene, 640, 320)).lines(snapshot)
+
+
+def lines_of(u, v):
+    """Return the lines in a periodic box of disordered particles with velocities u(x, y), v(x, y)."""
+    place = (np.arange(ACROSS**2) % ACROSS, np.arange(ACROSS**2) // ACROSS)
+    jitter = np.random.default_rng(0).uniform(-0.2, 0.2, (2, ACROSS**2))
+    x, y = (np.array(place) + 0.5 + jitter) / ACROSS
+    nothing = np.zeros(ACROSS**2)
+    return lines(BOX, Snapshot(0.0, 0, x, y, u(x, y) + nothing, v(x, y) + nothing, nothing, nothing))
+
+
+def test_as_much_flows_between_any_two_lines_of_vortices():
+    wave = 2 * np.pi
+    found = lines_of(
+        lambda x, y: np.sin(wave * x) * np.cos(wave * y), lambda x, y: -np.cos(wave * x) * np.sin(wave * y)
+    )
+    psi = [np.sin(wave * line[:, 0]) * np.sin(wave * line[:, 1]) / wave for line in found]
+    assert max(np.ptp(each) for each in psi) < 0.01 / wave  # 0.003: means of the nearest, the disorder averaged away
+    levels = np.sort([each.mean() for each in psi])
+    assert np.abs(levels * wave - np.round(levels * wave / 0.2 - 0.5) * 0.2 - 0.1).max() < 0.02
+    assert {round(level * wave / 0.2 - 0.5) for level in levels} == set(range(-5, 5))
+
+
+@pytest.mark.parametrize(("u", "v"), [(1.0, 0.0), (0.0, -1.0), (1.0, 0.5)])
+def test_lines_go_through_a_periodic_box_where_fluid_does(u, v):
+    found = lines_of(lambda x, y: u, lambda x, y: v)
+    assert len(found) == 10
+    for line in found:
+        across = (line - line[0]) @ [-v, u]
+        assert np.abs(across).max() < 1e-6  # what takes the free constant tilts them by 1e-9 times nodes
+        assert np.all((np.abs(line[[0, -1]] - 0.5) > 0.5 - 1e-9).any(axis=1))  # from side to side
+
+
+@pytest.fixture(scope="module")
+def annulus():
+    """The scene, and its particles in the steady flow around the inner cylinder."""
+    scene = make_annulus()
+    snapshot = start_snapshot(scene, start_values(scene, SimpleNamespace(jitter=0.0, seed=0)), "f64")
+    radius = np.hypot(snapshot.x, snapshot.y)
+    speed = (4.0 / radius - radius) / 3.0
+    return scene, replace(snapshot, u=-speed * snapshot.y / radius, v=speed * snapshot.x / radius)
+
+
+def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
+    scene, snapshot = annulus
+    radii = [np.hypot(*line.T) for line in lines(scene, snapshot)]
+    assert max(np.ptp(each) for each in radii) < 0.01  # 0.003, with eight particles across: of second order
+    flow = np.sort([(4.0 * np.log(each.mean()) - each.mean() ** 2 / 2.0 + 0.5) / 3.0 for each in radii])
+    between = (4.0 * np.log(2.0) - 1.5) / 3.0
+    # the extremes are those at nodes, up to half a spacing from a wall: a hundredth of the flow
+    assert flow / between == pytest.approx((np.arange(10) + 0.5) / 10, abs=0.02)
+
+
+def test_streamlines_cover_the_fluid_and_not_the_bodies(annulus):
+    scene, snapshot = annulus
+    plain, lined = (Drawn(scene, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    changed = np.any(lined.render(snapshot) != plain.render(snapshot), axis=2)[plain.layout.box.slices]
+    rows, columns = np.mgrid[: changed.shape[0], : changed.shape[1]] + 0.5
+    radius = np.hypot(columns - changed.shape[1] / 2, rows - changed.shape[0] / 2) / plain.layout.pixels_per_length
+    pixel = 1 / plain.layout.pixels_per_length
+    assert changed[(radius > 1.05) & (radius < 1.5)].mean() > 0.2
+    assert not changed[(radius < 1.0 - 2 * pixel) | (radius > 2.0 + 2 * pixel)].any()
+
+
+def test_fluid_at_rest_and_a_run_that_went_wrong_have_no_lines():
+    channel = make_channel()
+    plain, lined = (Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines"))
+    snapshot = make_snapshot(channel, 5.0)
+    assert not np.array_equal(lined.render(snapshot), plain.render(snapshot))
+    snapshot.u[3] = np.nan
+    assert np.array_equal(lined.render(snapshot), plain.render(snapshot))
+    assert lines_of(lambda x, y: 1e-6 * np.sin(9 * x), lambda x, y: 0.0) == []
+
+
+SCENE = SimpleNamespace(
+    origin=(0.0, 0.0), extent=(1.0, 1.0), periodic=(True, True), spacing=1 / 40, reference_velocity=2.0,
+    bodies=(), walls=(),
+)  # fmt: skip
+LAYOUT = arrange(SCENE, 1280, 640)
+
+
+def paint(u, v, keep=lambda x, y: True):
+    """Return which pixels of the box have ink on them, where ``keep`` says that there are particles."""
+    x, y = (np.arange(1600) % 40 + 0.5) / 40, (np.arange(1600) // 40 + 0.5) / 40
+    kept = np.broadcast_to(keep(x, y), x.shape)
+    x, y, nothing = x[kept], y[kept], np.zeros(kept.sum())
+    panel = np.full((LAYOUT.box.height, LAYOUT.box.width, 3), 255, dtype=np.uint8)
+    Vectors(SCENE, LAYOUT).paint(panel, Snapshot(0.0, 0, x, y, u + nothing, v + nothing, nothing, nothing))
+    return (255 - panel[:, :, 0].astype(float)) / 255
+
+
+def arrow(u, v):
+    """Return the ink of one arrow, of those on an even grid, around its middle."""
+    ink = paint(u, v)
+    count = int(LAYOUT.box.width / (40 * LAYOUT.scale))
+    middle, half = (np.array([4.5, 4.5]) / count * LAYOUT.box.width).astype(int), LAYOUT.box.width // count // 2
+    return ink[middle[1] - half : middle[1] + half, middle[0] - half : middle[0] + half]
+
+
+@pytest.mark.parametrize("way", [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)])
+def test_arrows_point_where_the_fluid_goes(way):
+    ink = arrow(*(1.5 * np.array(way)))
+    rows, columns = np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5
+    across, along = (columns, ink.shape[0] - rows) if way[0] == 0 else (ink.shape[0] - rows, columns)
+    along = along - ink.shape[0] / 2 if sum(way) > 0 else ink.shape[0] / 2 - along
+    across = across - ink.shape[0] / 2
+    assert (ink * across**2 * along).sum() > 0.0  # the head, which is wide, is ahead
+
+
+def test_arrow_lengths_are_proportional_to_velocity_and_limited():
+    pitch = 40 * LAYOUT.scale
+    for speed, expected in ((0.5, 0.375 * pitch), (1.0, 0.75 * pitch), (0.05, 0.0)):
+        ink = arrow(speed, 0.0)
+        assert np.count_nonzero(ink.max(axis=0) > 0.3) == pytest.approx(expected, abs=2)  # a pixel at either end
+    assert np.array_equal(paint(3.0, 0.0), paint(30.0, 0.0))
+
+
+def test_there_are_no_arrows_where_there_are_no_particles():
+    ink = paint(0.0, 1.0, keep=lambda x, y: np.hypot(x - 0.5, y - 0.5) > 0.3)
+    rows, columns = (np.mgrid[: ink.shape[0], : ink.shape[1]] + 0.5) / LAYOUT.pixels_per_length
+    away = np.hypot(columns - 0.5, rows - 0.5)
+    reach = (1.2 + 0.5) / 40 + 0.5 * 0.75 * 40 * LAYOUT.scale / LAYOUT.pixels_per_length  # of one beside it
+    assert not ink[away < 0.3 - reach].any()
+    assert ink[away > 0.35].any()
+
+
+def test_a_run_that_went_wrong_and_one_without_arrows_get_their_pictures():
+    channel = make_channel()
+    plain, arrows = (Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "vectors"))
+    snapshot = make_snapshot(channel, 5.0)
+    before = plain.render(snapshot).copy()
+    assert not np.array_equal(arrows.render(snapshot), before)
+    snapshot.u[3] = np.nan
+    assert np.array_equal(arrows.render(snapshot), plain.render(snapshot))
+
+
+SIDE = 2.0
+ORIGIN = (-1.0, 0.5)
+PERIODS = (SIDE, SIDE)
+
+
+def make_scene(*bodies, periodic):
+    return SimpleNamespace(
+        bodies=bodies, periodic=(periodic, periodic), walls=(), origin=ORIGIN, extent=(SIDE, SIDE), acceleration=0.0
+    )
+
+
+def paint_bodies(scene, time=0.0):
+    """Return the layout, which pixels of a white box are painted, and the picture."""
+    layout = arrange(scene, 640, 320)
+    panel = np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
+    bodies = Bodies.at(time, scene.bodies, np.zeros((2, len(scene.bodies), 4)))
+    Solids(scene, layout).paint(panel, SimpleNamespace(bodies=bodies))
+    return layout, np.any(panel < 255, axis=2), panel
+
+
+def positions(layout):
+    """Return x and y of the middles of all pixels."""
+    rows, columns = np.mgrid[: layout.box.height, : layout.box.width] + 0.5
+    return layout.low[0] + columns / layout.pixels_per_length, layout.high[1] - rows / layout.pixels_per_length
+
+
+def drawn_as(body, layout, painted, time):
+    """Tell whether all that is in ``body``, and nothing outside, is painted, but for a pixel and a half at its wall."""
+    points = np.stack(positions(layout), axis=2).reshape(-1, 2)
+    distance = body.nearest(points, time).distance.reshape(painted.shape) * layout.pixels_per_length
+    return painted[distance < -1.5].all() and not painted[distance > 1.5].any()
+
+
+SQUARE = Polygon(((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)))
+
+
+@pytest.mark.parametrize("shape", [Circle(0.3), SQUARE], ids=["circle", "square"])
+@pytest.mark.parametrize("centre", [(0.1, 1.5), (1.0, 1.5), (-1.0, 0.5), (0.9, 2.4)])
+def test_a_body_is_where_it_is_and_through_the_seams(shape, centre):
+    motion = RigidMotion(x=WallMotion(3.0), rotation=WallMotion(0.5))
+    body = Body(shape, centre, motion=motion, periods=PERIODS)
+    scene = make_scene(body, periodic=True)
+    for time in (0.0, 1.1):  # by then it has left the box
+        layout, painted, _ = paint_bodies(scene, time)
+        assert (layout.low, layout.high) == ((-1.0, 0.5), (1.0, 2.5))
+        assert drawn_as(body, layout, painted, time)
+
+
+def test_a_cylinder_around_the_fluid_is_all_that_is_not_inside():
+    body = Body(Circle(1.0, fluid_side="inside"), (0.0, 1.5))
+    layout, painted, panel = paint_bodies(make_scene(body, periodic=False))
+    assert layout.low[0] < -1.0 < 1.0 < layout.high[0]  # a rim is in sight
+    assert drawn_as(body, layout, painted, 0.0)
+    assert np.all(panel[0, 0] == style.rgb(style.LIGHT.solid))
+
+
+def spoke_angle(body, time, nearest, farthest):
+    """Return the mean direction from the centre of the dark pixels between two distances from it."""
+    layout, _, panel = paint_bodies(make_scene(body, periodic=False), time)
+    x, y = positions(layout)
+    x, y = x - body.at(time).centre[0], y - body.at(time).centre[1]
+    away = np.hypot(x, y)
+    dark = (panel[:, :, 0] < 150) & (away > nearest) & (away < farthest)
+    assert dark.any()
+    return np.angle(np.sum((x + 1j * y)[dark]))
+
+
+@pytest.mark.parametrize("time", [0.0, 1.0, 2.5])
+def test_spoke_and_mark_turn_with_the_body(time):
+    rotation = RigidMotion(rotation=WallMotion(1.3))
+    inside = Body(Circle(0.7), (0.0, 1.5), motion=rotation)
+    outside = Body(Circle(0.9, fluid_side="inside"), (0.0, 1.5), motion=rotation)
+    first = math.pi / round(2 * math.pi * 0.9 / 0.004)  # points begin half a spacing from angle 0
+    for body, nearest, farthest in ((inside, 0.1, 0.6), (outside, 0.92, 1.0)):
+        turned = spoke_angle(body, time, nearest, farthest)
+        assert abs(np.exp(1j * turned) - np.exp(1.3j * time)) < 0.02 + first  # a pixel over these distances
+
+
+def test_marks_slide_with_a_straight_wall_and_the_wall_stays():
+    lid = Body(Line((1.0, 2.5), (-1.0, 0.0), SIDE), motion=RigidMotion(x=WallMotion(0.8)))
+    scene = make_scene(lid, periodic=False)
+    still, slid, period = (paint_bodies(scene, time) for time in (0.0, 0.1, 0.625))  # 0.08, and 0.5, a pitch
+    layout, painted, _ = still
+    assert drawn_as(lid, layout, painted, 0.0)
+    assert np.array_equal(painted, slid[1])
+    row = int(layout.pixel_positions(0.0, 2.5)[1]) - 2
+    marks = [np.flatnonzero(picture[2][row, :, 0] < 150) for picture in (still, slid, period)]
+    assert np.array_equal(marks[0], marks[2])
+    assert np.mean(marks[1]) - np.mean(marks[0]) == pytest.approx(0.08 * layout.pixels_per_length, abs=1.0)
+
+
+@pytest.fixture(scope="module")
+def rings():
+    return make_annulus(centre=(3.0, -1.0), outer=WallMotion(-0.5), initial_state="developed")
+
+
+def test_frames_of_the_annulus_have_fluid_between_the_cylinders(rings):
+    initial = SimpleNamespace(seed=0, jitter=0.2)
+    snapshot = start_snapshot(rings, start_values(rings, initial), "f64")
+    for name in ("speed", "vorticity"):
+        renderer = Drawn(rings, make_video(640, 320, name), "annulus", 10.0)
+        box = renderer.render(snapshot)[renderer.layout.box.slices]
+        x, y = positions(renderer.layout)
+        radius = np.hypot(x - 3.0, y + 1.0)
+        solid = np.all(box == style.rgb(style.LIGHT.solid), axis=2)
+        wide = 3 / renderer.layout.pixels_per_length
+        assert not solid[(radius > 1.0 + wide) & (radius < 2.0 - wide)].any()
+        assert solid[radius > 2.2].all()  # the corners, beyond any mark
+        assert 0.9 < solid[radius < 1.0 - wide].mean() < 1.0  # all but the spoke
+
+
+def test_exact_vorticity_of_the_annulus_is_the_curl_of_its_velocity(rings):
+    x, y, t, small = np.array([4.3, 2.0, 3.1]), np.array([-1.2, -0.1, 0.7]), 0.0, 1e-5
+    slopes = [
+        (rings.exact(field, x + dx, y + dy, t) - rings.exact(field, x - dx, y - dy, t)) / (2 * small)
+        for field, dx, dy in (("v", small, 0.0), ("u", 0.0, small))
+    ]
+    assert rings.exact_vorticity(x, y, t) == pytest.approx(slopes[0] - slopes[1], abs=1e-8)
+    assert rings.movie_view("vorticity", 1.0).ends == pytest.approx([-2.0, -2.0])  # twice a of u = a r + b / r

@@ -1,0 +1,238 @@
+"""Profiles and histories as pictures: axes, lines, legends, and the steady state."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
+
+from tisph import scenes
+from tisph.config import load
+from tisph.geometry.motion import WallMotion
+from tisph.report.plots import history_figure, profile_figure
+
+PNG_SIZE = (1320, 720)
+
+
+@pytest.fixture
+def figures(monkeypatch):
+    """The figures that are saved during the test."""
+    saved = []
+    save = Figure.savefig
+
+    def remember(self, *arguments, **settings):
+        saved.append(self)
+        return save(self, *arguments, **settings)
+
+    monkeypatch.setattr(Figure, "savefig", remember)
+    return saved
+
+
+def legend_texts(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def history(channel, count, times):
+    y = channel.probe_positions(count)[1]
+    return {"count": count}, times, np.array([channel.exact_velocity(y, t) for t in times])
+
+
+def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
+    channel = make_channel(rows=20)
+    profile_figure(channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)]).save(tmp_path / "profiles.png")
+    assert Image.open(tmp_path / "profiles.png").size == PNG_SIZE
+    velocity, error = figures[0].axes
+    dots, curve = velocity.lines[:2]
+    u, y = dots.get_data()
+    assert np.allclose(u - channel.exact_velocity(y, 1.8), 1e-3 * channel.reference_velocity, rtol=1e-9)
+    u, y = curve.get_data()
+    assert np.array_equal(u, channel.exact_velocity(y, 1.8))
+    assert (y[0], y[-1]) == (0.0, channel.gap)
+    assert np.allclose(error.lines[0].get_xdata(), 1e-3, rtol=1e-9)
+    assert legend_texts(figures[0])[0].startswith("t = 1.8 s,  t* = 0.018,  L2 error 3.")
+
+
+def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path, figures):
+    channel = make_polymer_channel()
+    snapshots = [make_snapshot(channel, t) for t in (0.5, 5.0)]
+    snapshots = [replace(s, stress_xy=s.stress_xy + 1e-5, stress_yy=s.stress_yy + 3e-5) for s in snapshots]
+    profile_figure(channel, snapshots).save(tmp_path / "profiles.png")
+    assert Image.open(tmp_path / "profiles.png").size == (1320, 1260)
+    shear, normal = figures[0].axes[2:]
+    for index, t in enumerate((0.5, 5.0)):
+        for axes, component, shift in ((shear, 1, 1e-5), (normal, 0, -3e-5)):
+            dots, curve = axes.lines[2 * index : 2 * index + 2]
+            stress, y = dots.get_data()
+            # Stresses of 4e-4 in doubles: 1e-19 of rounding in each.
+            assert np.allclose(stress - channel.exact_polymer_stress(y, t)[component], shift, rtol=0, atol=1e-18)
+            stress, y = curve.get_data()
+            assert np.array_equal(stress, channel.exact_polymer_stress(y, t)[component])
+    assert [axes.get_xlabel().split(" [")[0] for axes in (shear, normal)] == [
+        "polymer shear stress Sxy",
+        "first normal stress difference N1 = Sxx \N{MINUS SIGN} Syy",
+    ]
+
+
+def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
+    channel = make_channel(initial_state="developed")
+    profile_figure(channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)]).save(tmp_path / "profiles.png")
+    dots = figures[0].axes[0].lines[0:6:2]
+    sizes = [line.get_markersize() for line in dots]
+    assert np.all(np.diff(sizes) < -1.0)  # later ones lie on top and leave a rim, half a point wide, of the earlier
+    assert len({line.get_marker() for line in dots}) == 3
+
+
+def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
+    channel = make_channel(initial_state="developed")
+    profile_figure(channel, [make_snapshot(channel, 1.8)]).save(tmp_path / "perfect.png")
+    channel = make_channel()
+    profile_figure(channel, [make_snapshot(channel, 0.0)]).save(tmp_path / "start.png")
+
+
+def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
+    channel = make_channel()
+    settings, times, u = history(channel, 5, np.linspace(0.0, 20.0, 30))
+    y = channel.probe_positions(5)[1]
+    history_figure(channel, settings, times, u).save(tmp_path / "history.png")
+    assert Image.open(tmp_path / "history.png").size == PNG_SIZE
+    markers, curve = figures[0].axes[0].lines[:2]
+    t, velocity = markers.get_data()
+    assert np.array_equal(velocity, channel.exact_velocity(y[-1], t))  # the highest tracer comes first
+    t, velocity = curve.get_data()
+    assert np.array_equal(velocity, channel.exact_velocity(y[-1], t))
+    assert (t[0], t[-1]) == (0.0, 20.0)
+    heights = ["y/H = 0.9", "y/H = 0.7", "y/H = 0.5", "y/H = 0.3", "y/H = 0.1"]
+    assert legend_texts(figures[0]) == [*heights, "exact", "not resolved"]
+    (shaded,) = figures[0].axes[0].patches
+    # the layer is two spacings of 1e-3 deep at t = 4; the last of the times before that is 5 * 20 / 29
+    assert (shaded.get_x(), shaded.get_x() + shaded.get_width()) == (0.0, pytest.approx(times[5]))
+
+
+@pytest.mark.parametrize("frequency", [1.0, 15.0])
+def test_history_of_an_oscillation_resolves_every_period(tmp_path, figures, frequency):
+    channel = make_channel(top=WallMotion(0.0, 0.005, frequency), initial_state="developed")
+    history_figure(channel, *history(channel, 3, np.linspace(0.0, 20.0, 401))).save(tmp_path / "history.png")
+    markers, curve = figures[0].axes[0].lines[:2]
+    period = 2 * np.pi / frequency
+    # A straight line between points P/40 apart misses the crest by (2 pi/40)^2/8 = 0.3 %: less than the line's width.
+    assert np.diff(curve.get_xdata()).max() <= 1.05 * period / 40
+    assert np.diff(markers.get_xdata()).max() <= 1.5 * max(period / 12, 20.0 / 400)  # the history has 401 records
+
+
+def test_history_of_a_run_that_stopped_at_once_can_be_drawn(tmp_path):
+    channel = make_channel()
+    history_figure(channel, *history(channel, 2, np.array([0.0]))).save(tmp_path / "history.png")
+
+
+def test_legends_stay_short(tmp_path, figures):
+    channel = make_channel()
+    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)]).save(tmp_path / "profiles.png")
+    history_figure(channel, *history(channel, 40, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
+    # twelve of them, "exact", and "not resolved" in the history
+    assert [len(legend_texts(figure)) for figure in figures] == [13, 14]
+
+
+def test_legends_overlap_no_other_text(tmp_path, figures):
+    channel = make_channel(top=WallMotion(-2.5e-4), bottom=WallMotion(1e-4))  # the longer kind of error label
+    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)]).save(tmp_path / "profiles.png")
+    history_figure(channel, *history(channel, 12, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
+    for figure in figures:
+        box = figure.legends[0].get_window_extent()
+        assert box.x0 >= 0
+        assert box.x1 <= PNG_SIZE[0]
+        for axes in figure.axes:
+            assert not box.overlaps(axes.get_tightbbox())
+
+
+def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, figures):
+    annulus, times = make_annulus(), np.linspace(0.0, 20.0, 41)
+    exact = np.stack(annulus.exact_torques(times), axis=1)
+    assert np.isinf(exact[0, 0])
+    torques = np.vstack([[np.nan, np.nan], exact[1:]])
+    history_figure(annulus, {}, times, torques).save(tmp_path / "history.png")
+    low, high = figures[0].axes[0].get_ylim()
+    resolved = exact[times >= (2 / 8) ** 2 / 0.02]  # a layer of two spacings
+    assert low < resolved.min() < resolved.max() < high
+    assert high - low == pytest.approx(1.2 * np.ptp(resolved))
+    history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
+
+
+def test_errors_of_oscillating_or_stopped_annuli_are_over_the_wall_speed():
+    swinging, stopped = WallMotion(0.0, 1.0, 2.0), WallMotion(0.0, before=1.0)
+    assert not make_annulus().vanishing_scale
+    assert all(make_annulus(inner=wall).vanishing_scale for wall in (swinging, stopped))
+
+
+LATTICE = """
+scene: lattice
+fluid: {density: 2.0, kinematic_viscosity: 0.5}
+geometry: {length: 1.0, height: 1.0}
+bodies: [{centre: [0.5, 0.5], radius: 0.25}]
+drive: {acceleration: 1.0}
+discretisation: {particles_across: 32}
+time: {end: 1.0}
+"""
+
+
+CAVITY = """
+scene: cavity
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {width: 1.0, height: 1.0}
+walls: {lid: {velocity: 1.0}}
+time: {end: 1.0}
+"""
+
+
+def lattice(folder, *changes):
+    (folder / "case.yaml").write_text(LATTICE)
+    return scenes.of(load(folder / "case.yaml", changes))
+
+
+def test_like_bodies_are_told_apart_on_axes_with_units(tmp_path):
+    two = "bodies=[{centre: [0.2, 0.5], radius: 0.1}, {centre: [0.7, 0.5], radius: 0.1}]"
+    scene = lattice(tmp_path, two)
+    times = np.linspace(0.0, 1.0, 401)
+    drag, noise = 3.0 - 2.0 * np.exp(-5.0 * times), np.full(401, 1e-9)
+    values = np.stack([*2 * [drag, noise, noise], 0.1 * times], axis=1)  # drag, lift, torque of each; mean velocity
+    figure = history_figure(scene, {}, times, values)
+    drags, lifts, *_ = figure.axes
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        "drag per length [N/m]",
+        "lift per length [N/m]",
+        "torque per length [N]",
+        "superficial velocity [m/s]",
+    ]
+    first, second = drags.lines
+    assert np.array_equal(first.get_ydata(), second.get_ydata())
+    assert not {*range(401)[slice(*_marked(first))]} & {*range(401)[slice(*_marked(second))]}
+    assert drags.get_ylim()[0] < 0.0 < 3.0 < drags.get_ylim()[1]
+    assert min(np.abs(lifts.get_ylim())) >= 1e-3 * scene.force_scale  # noise stays flat
+    assert [text.get_text() for text in figure.legends[0].get_texts()[:3]] == ["body 0", "body 1", "mean over the cell"]
+
+
+def test_a_body_alone_has_the_drag_that_drives_the_fluid(tmp_path):
+    scene, times = lattice(tmp_path), np.linspace(0.0, 1.0, 11)
+    figure = history_figure(scene, {}, times, np.zeros((11, 4)))
+    level = figure.axes[0].lines[1]
+    assert level.get_ydata()[0] == pytest.approx(
+        2.0 * (1.0 - np.pi * 0.25**2), rel=1e-9
+    )  # density, acceleration 1, area
+    assert [len(axes.lines) for axes in figure.axes[1:]] == [1, 1, 1]
+
+
+@pytest.mark.parametrize(("start", "shown"), [(0.0, 0.0), (np.inf, 1.0), (50.0, 1.0)])
+def test_a_start_that_is_not_resolved_is_shown_unless_it_is_large(tmp_path, start, shown):
+    """Numbers from 1 to 2 at resolved times; the axis has a tenth more on both sides."""
+    (tmp_path / "cavity.yaml").write_text(CAVITY)
+    values, resolved = np.array([start, *np.linspace(1.0, 2.0, 10)])[:, None], np.arange(11) > 0
+    scene = scenes.of(load(tmp_path / "cavity.yaml"))
+    (axes,) = history_figure(scene, {}, np.linspace(0.0, 1.0, 11), values, resolved).axes
+    margin = 0.1 * (2.0 - shown)
+    assert axes.get_ylim() == pytest.approx((shown - margin, 2.0 + margin), rel=1e-12)
+
+
+def _marked(line):
+    start, step = line.get_markevery()
+    return start, None, step

@@ -1,0 +1,301 @@
+"""Bodies in cells: scenes that configs describe, what is refused, scales, and mean velocities."""
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from inside import Cell
+from inside import cell_rule as _rule
+from report_scene import Drawn, make_video
+
+from tisph import scenes
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.measures.fits import cell_mean
+from tisph.measures.resolution import resolution, steadiness, steady_since
+from tisph.observers.samples import Samples, read_samples
+from tisph.report.labels import error_label
+from tisph.report.plots import profile_figure
+from tisph.scenes.channel import Channel
+from tisph.snapshot import Bodies, Snapshot
+
+LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
+LATTICE = f"""
+scene: lattice
+{LIQUID}
+geometry: {{length: 1.0, height: 1.0}}
+bodies: [{{centre: [0.5, 0.5], radius: 0.25}}]
+drive: {{acceleration: 1.0}}
+discretisation: {{particles_across: 32}}
+"""
+CHANNEL = f"""
+scene: channel
+{LIQUID}
+geometry: {{gap: 1.0, length: 1.5}}
+walls: {{top: {{velocity: 1.0}}}}
+bodies: [{{centre: [0.1, 0.5], radius: 0.2}}]
+discretisation: {{particles_across: 24}}
+"""
+REGION = f"""
+scene: region
+{LIQUID}
+walls: {{around: {{type: circle, centre: [3.0, 1.0], radius: 1.0, motion: {{angular_velocity: 2.0}}}}}}
+bodies: [{{centre: [3.2, 1.0], radius: 0.3}}]
+discretisation: {{particles_across: 40}}
+"""
+SHARP = "{type: polygon, centre: [0.5, 0.5], corners: [[-0.2, -0.15], [0.2, -0.15], [0, 0.2]]}"
+THIN = (
+    "{type: polygon, centre: [0.5, 0.5], angle: 0.4, "
+    "corners: [[-0.2, -0.07], [0.2, -0.07], [0.2, 0.07], [-0.2, 0.07]], corner_radius: 0.065}"
+)
+BOX = "{type: polygon, centre: [3, 1], corners: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}"
+SANGANI_ACRIVOS = {0.05: 15.56, 0.1: 24.83, 0.2: 51.53, 0.3: 102.90, 0.4: 217.89}
+"""Drag over dynamic viscosity times mean velocity, by solid fraction of a square array."""
+
+
+def loaded(tmp_path, text, *changes):
+    path = tmp_path / "case.yaml"
+    path.write_text(text)
+    return load(path, changes)
+
+
+def scene_of(config):
+    return scenes.of(config)
+
+
+@pytest.mark.parametrize(("text", "area", "count"), [
+    (LATTICE, 1.0 - math.pi / 16, 1),
+    (CHANNEL, 1.5 - math.pi * 0.04, 3),
+    (REGION, math.pi * (1.0 - 0.09), 2),
+])  # fmt: skip
+def test_particles_fill_what_bodies_and_walls_leave(tmp_path, text, area, count):
+    scene = scene_of(loaded(tmp_path, text))
+    assert isinstance(scene, Cell)
+    assert len(scene.bodies) == len(scene.names) == count
+    places = np.stack(scene.jittered(1, 0.2), axis=1)
+    assert len(places) == scene.particles == round(area / scene.spacing**2)
+    assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing  # a quarter, before the last sweeps
+
+
+def test_a_channel_without_bodies_is_what_it_was(tmp_path):
+    config = loaded(tmp_path, CHANNEL, "bodies=[]")
+    assert type(scene_of(config)) is Channel
+    assert config.parallel
+    assert "bodies" not in config.resolved_yaml()
+    path = tmp_path / "case.yaml"
+    path.write_text(config.resolved_yaml())
+    program = f"import sys; from tisph.config import load; load({str(path)!r}); "
+    program += "print([name for name in sys.modules if 'bodies' in name or '_cell' in name])"
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ran.stdout.strip() == "[]"
+
+
+def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
+    config = loaded(tmp_path, CHANNEL)
+    assert not config.parallel
+    scene = scene_of(config)
+    assert [name for name, _ in scene.walls] == ["top", "bottom"]
+    assert scene.names == ("", "_bottom", "_top")
+    assert scene.reference_velocity == 1.0
+    assert scene.reference_length == pytest.approx(0.4)
+    assert loaded(tmp_path, config.resolved_yaml()) == config
+
+
+@pytest.mark.parametrize(("text", "change", "said"), [
+    (LATTICE, "drive.acceleration=0.0", "nothing moves"),
+    (LATTICE, "bodies=[]", "bodies = []: must not be empty"),
+    (LATTICE, "discretisation={spacing: 10.0}", "must fit across the height"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "a circle of radius 0.0625 has 2 spacings; it needs"),
+    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "at least 2.5: particles_across: 40"),
+    (CHANNEL, "bodies=[{centre: [0.5, 0.5], radius: 0.025}]", "has 0.6 spacings; it needs at least 2.5"),
+    (LATTICE, f"bodies=[{SHARP}]", "bodies.0.corner_radius = 0.0: a corner of radius 0 has 0 spacings"),
+    (LATTICE, f"bodies=[{SHARP}]", "it needs at least 2: corner_radius: 0.0625"),
+    (LATTICE, "bodies=[{type: curve, centre: [0.5, 0.5], points: [[0.3, 0], [0, 0.05], [-0.3, 0], [0, -0.05]]}]",
+     "a bend of radius"),
+    (LATTICE, f"bodies=[{THIN}]", "[-0.2, 0.07]]: a body 0.14 wide has 4.48 spacings"),
+    (LATTICE, f"bodies=[{THIN}]", "it needs at least 5: particles_across: 36"),
+    (REGION, f"walls.around={BOX}", "walls.around.corner_radius = 0.0: a corner of radius 0 has 0 spacings;"),
+    (REGION, f"walls.around={BOX}", "it needs at least 1: corner_radius: 0.05"),
+    (LATTICE, "geometry.length=1.01", "nearest valid geometry.length: 1 or 1.03125"),
+    (LATTICE, "discretisation.particles_across=16", "18 particle spacings"),
+    (LATTICE, "scheme.type=wcsph", "wcsph cannot serve bodies"),
+    (CHANNEL, "bodies=[{centre: [0.1, 0.75], radius: 0.2}]", "walls.top"),
+    (CHANNEL, "walls.treatment.type=adami", "must be left out"),
+    (CHANNEL, "walls.top.velocity_before=0.5", "the run starts from rest"),
+    (CHANNEL, "initial.state=exact", "must be rest or developed"),
+    (CHANNEL, "tracers.count=5", "forces"),
+    (REGION, "drive.acceleration=1.0", "the pressure takes it up"),
+    (REGION, "geometry={length: 1.0, height: 1.0}", "not allowed beside walls.around"),
+    (REGION, "walls.around.motion={velocity: [1.0, 0.0]}", "may only turn"),
+    (REGION, "bodies=[{centre: [3.8, 1.0], radius: 0.3}]", "overlaps walls.around"),
+])  # fmt: skip
+def test_what_cannot_be_is_refused(tmp_path, text, change, said):
+    with pytest.raises(ConfigError) as refused:
+        loaded(tmp_path, text, change)
+    assert said in str(refused.value)
+
+
+def test_what_a_config_has_of_what_it_needs_is_stated(tmp_path):
+    lines = dict(scene_of(loaded(tmp_path, CHANNEL)).parameters())
+    assert lines["smallest radius"] == "0.2 m, 4.8 spacings (at least 2, a circle 2.5; resolved from 3 on)"
+    assert lines["narrowest gap"] == "0.3 m, 7.2 spacings (at least 2; resolved from 3 on)"
+
+
+def test_bodies_that_meet_later_are_refused(tmp_path):
+    bodies = (
+        "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"
+    )
+    with pytest.raises(ConfigError, match="at time"):
+        loaded(tmp_path, LATTICE, bodies)
+
+
+@pytest.mark.parametrize("fraction", SANGANI_ACRIVOS)
+def test_the_driven_velocity_is_of_the_size_of_the_true_one(tmp_path, fraction):
+    # within a factor of 4 in slow flow: steps refer to half of it or to the true one, whichever is larger
+    radius = math.sqrt(fraction / math.pi)
+    scene = scene_of(loaded(tmp_path, LATTICE, f"bodies=[{{centre: [0.5, 0.5], radius: {radius}}}]"))
+    true = scene.acceleration / (scene.kinematic_viscosity * SANGANI_ACRIVOS[fraction])
+    assert 0.25 < scene.reference_velocity / true < 4.0
+
+
+def snapshot_of(scene, u, v, t=0.0):
+    x, y = scene.jittered(0, 0.2)
+    zero = np.zeros_like(x)
+    return Snapshot(t, 0, x, y, u(x, y), v(x, y), zero, zero)
+
+
+def test_the_mean_velocity_counts_what_is_solid(tmp_path):
+    body = "bodies=[{centre: [0.9, 0.1], radius: 0.25, motion: {velocity: [3.0, 1.0], angular_velocity: 2.0}}]"
+    scene = scene_of(loaded(tmp_path, LATTICE, body))
+    snapshot = snapshot_of(scene, lambda x, y: 3.0 + 0 * x, lambda x, y: 1.0 + 0 * x)
+    mean = cell_mean(scene, snapshot)
+    # the body turns about its centre: nothing on average, but for the nodes of the lattice, 1/32 apart
+    assert mean == pytest.approx([3.0, 1.0], abs=2e-3)
+
+
+def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path):
+    # u = r^2 - a^2 around a cylinder, in a cell of side 2; left are errors of the fits at the edges of the cell,
+    # where u has kinks, and of the lattice of nodes at the cylinder
+    changes = ["geometry={length: 2.0, height: 2.0}", "bodies=[{centre: [1.0, 1.0], radius: 0.5}]"]
+    scene = scene_of(loaded(tmp_path, LATTICE, *changes, "discretisation.particles_across=48"))
+    field = lambda x, y: np.hypot(x - 1.0, y - 1.0) ** 2 - 0.25  # noqa: E731
+    x, y = np.meshgrid(*[(np.arange(2000) + 0.5) / 1000] * 2)
+    exact = np.maximum(field(x, y), 0.0).mean()
+    snapshot = snapshot_of(scene, field, lambda x, y: 0 * x)
+    assert cell_mean(scene, snapshot)[0] == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_the_rules_of_a_cell_have_weights_of_a_mean(periodic):
+    """Between walls those of Gauss: exact for polynomials of degree 9 with 5 places."""
+    places, weights = _rule(5, periodic)
+    moments = [weights @ places**power for power in range(2 if periodic else 10)]
+    assert moments == pytest.approx([1.0 / (power + 1) for power in range(len(moments))], rel=1e-13)
+
+
+def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
+    times = np.linspace(0.0, 1.0, 101)
+    values = np.stack([1.0 - np.exp(-20.0 * times), 5.0 + 0.0 * times], axis=1)
+    # exp(-20 t) = 1e-3 at 0.345
+    assert steady_since(times, values, [1.0, 1.0]) == pytest.approx(0.35)
+    assert steady_since(times, np.stack([times, times], axis=1), [1.0, 1.0]) is None
+    assert steady_since(times, 1e3 * values, [1e3, 1e3]) == pytest.approx(0.35)  # a thousandth of their size counts
+    assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)
+
+
+def test_scatter_of_a_mean_is_no_change_of_a_steady_flow():
+    """Of 100 values with a scatter of 2e-3 slopes have a standard error of 1.4e-4, of which 6 count: 8e-4."""
+    scene = SimpleNamespace(reference_length=1.0, reference_velocity=1.0, viscous_time=10.0, start_time=0.0)
+    times = np.linspace(0.0, 20.0, 401)
+    scattered = 1.0 + 2e-3 * np.random.default_rng(0).normal(size=401)
+    for rise, steady in ((0.0, True), (3e-4, True), (2e-3, False)):
+        values = (scattered + rise * (times - 20.0))[:, None]
+        ends = np.arange(5.0, 20.5, 0.5)
+        assert all(steadiness(scene, end, (None, None, (times, values)))["steady"] == steady for end in ends)
+
+
+def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
+    scene = SimpleNamespace(reference_length=1.0, reference_velocity=2.0, viscous_time=10.0, start_time=0.0)  # 0.5 each
+    times = np.linspace(0.0, 10.0, 201)
+    energies = np.where(times <= 6.0, 3.0, 3.0 + (times - 6.0))[:, None]
+    found = steadiness(scene, 6.0, (None, None, (times, energies)))
+    assert found == {"energy_change": pytest.approx(0.0, abs=1e-12), "steady": True, "steady_reason": None}
+    found = steadiness(scene, 10.0, (None, None, (times, energies)))  # by 0.5 in a moment, of 5.75 in the mean
+    assert not found["steady"]
+    assert found["energy_change"] == pytest.approx(0.5 / 5.75, rel=1e-9)
+    assert not steadiness(scene, 2.0, (None, None, (times, energies)))["steady"]
+    three, seen = slice(None, None, 20), (None, None)  # 6, 7 and 8 are in the five moments before 8
+    assert steadiness(scene, 8.0, (*seen, (times[three], energies[three])))["energy_change"] > 0.0
+    two = slice(None, None, 40)
+    found = steadiness(scene, 8.0, (*seen, (times[two], energies[two])))
+    assert found["steady_reason"] == "the history has too few times"
+
+
+def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
+    """At any time, in samples and pictures, be the layers as deep as they may."""
+    wide, tight, small = (
+        scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{{centre: [0.5, {height}], radius: {radius}}}]"))
+        for height, radius in ((0.5, 0.2), (0.3, 0.2), (0.5, 2.8 / 24))
+    )
+    assert resolution(wide, 10.0) == (True, None)
+    text = "the gap between body and wall bottom is 2.4 spacings; resolved from 3 on"
+    assert resolution(tight, 10.0) == (False, text)
+    assert resolution(small, 10.0) == (False, "the smallest radius of body is 2.8 spacings; resolved from 3 on")
+    for scene, words in ((wide, ""), (tight, "unresolved: gap 2.4 dx")):
+        snapshot = snapshot_of(scene, lambda x, y: 0 * x, lambda x, y: 0 * x, 10.0)
+        snapshot = replace(snapshot, bodies=Bodies.at(10.0, scene.bodies))
+        assert error_label(scene)(snapshot) == words
+        legend = profile_figure(scene, [snapshot]).legends[0]
+        assert ("unresolved" in legend.texts[0].get_text()) == bool(words)
+        video = make_video(640, 320)
+        renderer = Drawn(scene, video, "gap", 10.0)
+        picture = renderer.render(snapshot)
+        label = picture[renderer.layout.error_label.slices]
+        assert (label < 128).any() == bool(words)
+        assert not (label[:, :3] < 250).any()  # all of it has room
+
+
+@pytest.mark.parametrize(("across", "said"), [(40, "is 2 spacings; resolved from 3 on"), (60, None)])
+def test_corners_of_two_spacings_are_not_resolved(tmp_path, across, said):
+    """With 40 across drag was off by 6 %, and nothing said so."""
+    body = f"{SHARP[:-1]}, corner_radius: 0.05}}"
+    changes = f"bodies=[{body}]", f"discretisation.particles_across={across}"
+    resolved, reason = resolution(scene_of(loaded(tmp_path, CHANNEL, *changes)), 1.0)
+    assert (resolved, reason) == (said is None, said and f"the smallest radius of body {said}")
+
+
+def test_the_layer_in_front_of_a_body_stays_thin(tmp_path):
+    """Hiemenz: 99 % of the velocity at 2.4 sqrt(nu/a), a = 2 U/R; the smallest radius counts, the start comes first."""
+    scene = scene_of(loaded(tmp_path, CHANNEL, "fluid.kinematic_viscosity=0.005"))
+    nu = scene.kinematic_viscosity
+    front = 2.4 * math.sqrt(nu * 0.2 / 2.0)
+    assert scene.thinnest_layer(1e3) == (pytest.approx(front), "the layer in front of a body")
+    assert scene.thinnest_layer(0.01)[0] == pytest.approx(math.sqrt(0.01 * nu))
+    text = f"the layer in front of a body is {front * 24:.2g} spacings thin; resolved from 2 spacings on"
+    assert resolution(scene, 1e3) == (False, text)
+    turning = scene_of(loaded(tmp_path, REGION, "bodies=[]"))
+    assert turning.thinnest_layer(1.0)[1] == "the layer at bodies and walls"
+
+
+def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):
+    rising = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.0, 0.2]}}]"
+    scene = scene_of(loaded(tmp_path, CHANNEL, rising))
+    # from a hundred points on the circle and a parabola: the fourth power of their distance
+    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.5)] == pytest.approx([0.3, 0.2], rel=1e-6)
+
+
+def test_divergent_velocities_are_not_resolved(tmp_path):
+    scene = scene_of(loaded(tmp_path, CHANNEL))
+    snapshot = replace(snapshot_of(scene, lambda x, y: y, lambda x, y: 0 * x, 10.0), divergence=0.08)
+    text = "the divergence is 0.08 of the velocity gradient; resolved up to 0.01"
+    assert resolution(scene, 10.0, snapshot) == (False, text)
+    assert error_label(scene)(snapshot) == "unresolved: div u 0.08"
+    samples = Samples(tmp_path / "samples.h5", scene, [10.0])
+    samples.observe(snapshot)
+    samples.close()
+    assert read_samples(tmp_path / "samples.h5")[0].divergence == 0.08

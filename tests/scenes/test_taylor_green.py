@@ -1,0 +1,230 @@
+"""Taylor-Green vortices as a scene: start, numbers of a sample, history, files and pictures, from the exact flow."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import h5py
+import matplotlib
+import numpy as np
+import pytest
+from PIL import Image
+from report_scene import Drawn, make_video
+from vortices import make_scene, make_snapshot, scaled
+
+from tisph.errors import DivergedError
+from tisph.measures.metrics import sample_metrics
+from tisph.observers.guard import Guard
+from tisph.observers.history import History, read_history
+from tisph.observers.samples import Frames, Samples, read_frames
+from tisph.report.labels import error_label
+from tisph.report.plots import history_figure, profile_figure
+from tisph.simulation.state import start_snapshot, start_values
+
+ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16
+
+
+def measure(scene, snapshot):
+    series = scene.time_series()
+    return sample_metrics(scene, snapshot, (series.places, series.measure(snapshot)))
+
+
+@pytest.mark.parametrize("cells", [(1, 1), (2, 1)])
+def test_particles_start_in_the_box_with_the_exact_flow(cells):
+    scene = make_scene(cells=cells)
+    values = start_values(scene, SimpleNamespace(seed=3, jitter=0.3))
+    snapshot = start_snapshot(scene, values, "f64")
+    assert len(snapshot.x) == scene.particles == 400 * cells[0]
+    assert 0 <= snapshot.x.min() < snapshot.x.max() < cells[0]
+    assert 0 <= snapshot.y.min() < snapshot.y.max() < cells[1]
+    found = measure(scene, snapshot)
+    assert (found["t"], found["l2"], found["l2_pressure"]) == (0.0, 0.0, 0.0)
+
+
+def test_scales():
+    scene = make_scene(length=0.5, speed=2.0)
+    assert scene.reynolds == pytest.approx(100.0, rel=1e-15)
+    assert (scene.time_scale, scene.reference_velocity, scene.parallel) == (0.25, 2.0, False)
+    assert measure(scene, make_snapshot(scene, t=0.5))["t_star"] == 2.0
+
+
+def test_the_exact_flow_has_no_error():
+    scene = make_scene(across=40)
+    found = measure(scene, make_snapshot(scene, pressure=5.0))
+    for name in ("l2", "rms", "linf", "momentum_drift", "density_variation"):
+        assert found[name] == 0.0
+    assert found["l2_pressure"] < ROUNDING * 100  # an offset of 5 in pressures of 0.5 costs digits
+    assert found["kinetic_energy"] == pytest.approx(found["kinetic_energy_exact"], rel=ROUNDING)
+    # what the fit of the gradients errs by: (50/40)^4 times 1e-4, and some room for the worst place
+    assert found["dissipation"] == pytest.approx(found["dissipation_exact"], rel=1e-3)
+    assert found["divergence_over_gradient"] < 1e-3
+
+
+def test_errors_are_those_of_the_velocity_vector():
+    scene = make_scene()
+    snapshot = make_snapshot(scene)
+    off = replace(snapshot, u=snapshot.u + 0.003, v=snapshot.v - 0.004)
+    found = measure(scene, off)
+    speeds = np.sqrt(np.mean(snapshot.u**2 + snapshot.v**2))
+    assert found["l2"] == pytest.approx(0.005 / speeds, rel=1e-12)  # differences of 5e-3 with 1e-16 of rounding
+    assert found["rms"] == pytest.approx(0.005, rel=1e-12)
+    assert found["linf"] == pytest.approx(0.005, rel=1e-12)
+    assert found["momentum_drift"] == pytest.approx(0.005, rel=1e-12)
+
+
+def test_energy_and_dissipation_grow_with_the_square_of_the_speed():
+    scene = make_scene()
+    right, fast = (measure(scene, scaled(make_snapshot(scene), factor)) for factor in (1.0, 1.01))
+    for name in ("kinetic_energy", "dissipation"):
+        assert fast[name] == pytest.approx(1.01**2 * right[name], rel=1e-12)  # rounding of gradients
+        assert fast[f"{name}_exact"] == right[f"{name}_exact"]
+
+
+def test_energy_does_not_depend_on_where_the_particles_are():
+    """A plain mean over 400 places at random would be off by a per cent."""
+    scene = make_scene()
+    snapshot = make_snapshot(scene, jitter=0.49)
+    assert measure(scene, snapshot)["kinetic_energy"] == pytest.approx(0.25 * np.exp(-0.04 * np.pi**2 * 2), rel=1e-12)
+
+
+def test_divergence_is_seen():
+    scene = make_scene(across=40)
+    snapshot = make_snapshot(scene, t=0.0)
+    k = 2 * np.pi
+    swelling = replace(snapshot, u=snapshot.u + 0.01 * np.sin(k * snapshot.x))
+    # div u = 0.01 k cos kx; the largest gradient is that in the middle of a vortex, of components k and -k
+    assert measure(scene, swelling)["divergence_over_gradient"] == pytest.approx(0.01 / np.sqrt(2), rel=0.05)
+
+
+def test_pressure_error_leaves_out_the_mean():
+    scene = make_scene()
+    snapshot = make_snapshot(scene)
+    found = measure(scene, replace(snapshot, pressure=1.1 * snapshot.pressure + 7.0))
+    exact = scene.exact("pressure", snapshot.x, snapshot.y, snapshot.t)
+    scatter = np.std(exact) / np.sqrt(np.mean(exact**2))
+    assert found["l2_pressure"] == pytest.approx(0.1 * scatter, rel=1e-9)  # digits lost to the offset
+
+
+def test_the_guard_accepts_rotating_fluid_and_stops_nan():
+    scene = make_scene()
+    snapshot = make_snapshot(scene, t=50.0)
+    guard = Guard(scene)
+    guard.check(replace(snapshot, y=snapshot.y - 1e-3, v=snapshot.v + 0.5))
+    with pytest.raises(DivergedError, match="not a finite number"):
+        guard.check(replace(snapshot, v=np.where(np.arange(400) == 3, np.nan, snapshot.v)))
+
+
+def test_profiles_are_of_the_particles_on_the_centre_lines():
+    scene = make_scene(cells=(2, 1))
+    snapshot = make_snapshot(scene)
+    u, v, p = scene.profiles()
+    assert [(one.name, one.line.along, one.line.place) for one in (u, v, p)] == [
+        ("u", "y", 1.0),
+        ("v", "x", 0.5),
+        ("p", "y", 1.0),
+    ]
+    on_line = u.line.particles(snapshot)
+    assert 10 <= len(on_line) <= 40
+    assert np.abs(snapshot.x[on_line] - 1.0).max() <= 0.5 * scene.spacing
+    assert np.all(np.diff(snapshot.y[on_line]) >= 0)
+    assert v.line.ends == (0.0, 2.0)
+    # what a particle on the line has differs from the curve by (k spacing/2)^2/2 at most
+    values, exact = u.of(snapshot)[on_line], u.exact(*u.line.points(snapshot.y[on_line]), snapshot.t)
+    assert np.abs(values - exact).max() <= 0.5 * (np.pi * scene.spacing) ** 2
+
+
+def test_history_of_the_kinetic_energy(tmp_path):
+    scene = make_scene()
+    path = tmp_path / "history.csv"
+    history = History(path, scene, scene.time_series(), 2.0)
+    for t in (0.0, 1.0, 2.0):
+        history.observe(scaled(make_snapshot(scene, t), 0.99))
+    history.close()
+    assert path.read_text().splitlines()[0] == "t,kinetic_energy,resolved,kinetic_energy_exact"
+    times, values = read_history(path)
+    assert times.tolist() == [0.0, 1.0, 2.0]
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    assert np.allclose(values[:, 0], 0.99**2 * table[:, 3], rtol=ROUNDING)
+    history_figure(scene, {}, times, values).save(tmp_path / "history.png")
+    assert Image.open(tmp_path / "history.png").size == (1320, 720)
+
+
+def test_samples_have_the_reference_beside_them(tmp_path):
+    scene = make_scene()
+    snapshot = make_snapshot(scene)
+    samples = Samples(tmp_path / "samples.h5", scene, [0.5])
+    samples.observe(snapshot)
+    samples.close()
+    with h5py.File(tmp_path / "samples.h5") as file:
+        stored = file["sample_000"]
+        for name in ("u", "v", "pressure"):
+            assert np.array_equal(stored[f"{name}_exact"], getattr(snapshot, name))
+
+
+@pytest.mark.parametrize("view", ["speed", "pressure"])
+def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, view):
+    scene = make_scene()
+    movie = SimpleNamespace(add=lambda snapshot: None, close=lambda: None)
+    frames = Frames(tmp_path / "frames.h5", movie, [0.5], more=scene.movie_fields(view))
+    frames.observe(make_snapshot(scene))
+    frames.close()
+    (kept,) = read_frames(tmp_path / "frames.h5")
+    assert len(kept.pressure) == (scene.particles if view == "pressure" else 0)
+
+
+def test_profiles_are_drawn(tmp_path):
+    scene = make_scene()
+    profile_figure(scene, [make_snapshot(scene, t) for t in (0.5, 2.0)]).save(tmp_path / "profiles.png")
+    assert Image.open(tmp_path / "profiles.png").size == (1320, 1800)
+
+
+def make_renderer(color_by, **changes):
+    video = make_video(960, 480, color_by, style="particles")
+    return Drawn(make_scene(**changes), video, "vortices", 2.0)
+
+
+EXACT = {
+    "speed": lambda scene, x, y: np.hypot(*(scene.exact(name, x, y, 0.0) for name in "uv")),
+    "vorticity": lambda scene, x, y: scene.exact_vorticity(x, y, 0.0),
+    "pressure": lambda scene, x, y: scene.exact("pressure", x, y, 0.0),
+}
+
+
+@pytest.mark.parametrize("color_by", EXACT)
+@pytest.mark.parametrize("place", [(0.525, 0.775), (0.475, 0.525), (0.025, 0.325)])
+def test_discs_have_the_colour_of_what_is_shown(color_by, place):
+    renderer = make_renderer(color_by)
+    quantity, rect, scale = renderer.quantity, renderer.layout.box, renderer.layout.pixels_per_length
+    frame = renderer.render(make_snapshot(renderer.scene, 0.0, jitter=0.0))
+    found = frame[rect.bottom - 1 - int(place[1] * scale), rect.left + int(place[0] * scale)].astype(float)
+    lowest, highest = quantity.colour_range
+    share = (EXACT[color_by](renderer.scene, *place) - lowest) / (highest - lowest)
+    # vorticity is that of a quadratic fit to 18 neighbours, which is up to (k 2.4 spacings)^2/8 = 7 % small
+    near = matplotlib.colormaps[quantity.colour_map](share + np.linspace(-0.04, 0.04, 41) * (color_by == "vorticity"))
+    assert np.abs(255 * near[:, :3] - found).max(axis=1).min() <= 3  # levels, as in tests/report/test_quantities.py
+
+
+def test_error_in_the_picture_is_that_of_what_is_shown():
+    view = {name: make_renderer(name) for name in ("speed", "vorticity", "pressure")}
+    snapshot = make_snapshot(view["speed"].scene)
+    off = scaled(replace(snapshot, pressure=2.0 * snapshot.pressure), 1.01)
+    labels = {name: error_label(renderer.scene, renderer.quantity.error)(off) for name, renderer in view.items()}
+    assert labels["speed"] == labels["vorticity"] == "L2 error 1.0×10⁻²"
+    assert labels["pressure"].startswith("L2 error of p 1.0×10⁰") or labels["pressure"].startswith("L2 error of p 9.9")
+
+
+def test_discs_wrap_around_in_both_directions():
+    renderer = make_renderer("speed")
+    one = replace(make_snapshot(renderer.scene), **{name: np.array([0.0]) for name in ("x", "y", "u", "v")})
+    panel = renderer.render(one)[renderer.layout.box.slices]
+    for row in (0, -1):
+        for column in (0, -1):
+            assert panel[row, column].min() < 128  # the dark colour of rest in all four corners
+    height, width = panel.shape[:2]
+    assert panel[height // 2, width // 2].min() == 255
+
+
+def test_several_periods_fill_the_frame():
+    renderer = make_renderer("vorticity", cells=(3, 1))
+    box = renderer.layout.box
+    assert box.width / box.height == pytest.approx(3.0, rel=0.02)  # whole pixels
+    renderer.render(make_snapshot(renderer.scene))

@@ -1,0 +1,269 @@
+"""The channel's implicit scheme: what it keeps exactly, symmetries, restart, limits and refusals."""
+
+import functools
+
+import numpy as np
+import pytest
+from implicit_case import IMPLICIT, run
+from inside import OBEY_MOMENTUM
+
+from tisph import registry
+from tisph.errors import ConfigError, DivergedError
+from tisph.neighbours.point_cloud import active
+from tisph.runtime import view
+from tisph.simulation import checkpoint
+
+pytestmark = pytest.mark.taichi
+
+LAST = list(OBEY_MOMENTUM)[-1]
+
+
+@pytest.fixture
+def make(make):
+    """``make`` for scheme implicit."""
+    return functools.partial(make, *IMPLICIT)
+
+
+# --- what is kept
+
+
+@pytest.mark.parametrize(
+    ("order", "treatment"),
+    [
+        # every order and every treatment; what rows and images do for a linear profile does not depend on one another
+        pytest.param(order, treatment, marks=[] if (order == 2) == (treatment == LAST) else [pytest.mark.slow])
+        for order in (2, 4)
+        for treatment in OBEY_MOMENTUM
+    ],
+)
+def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, treatment):
+    scheme = make(
+        "initial={state: developed, jitter: 0.2}",
+        "time.end=8.0",
+        f"scheme.operators.order={order}",
+        f"walls.treatment.type={treatment}",
+    )
+    last = run(scheme)
+    assert scheme.steps >= 8  # a strain of 4 at 0.5 a step: rows slide along one another
+    # a linear profile is exact for the rows and for the images, also where particles are shifted; rounding in the guess
+    # of a stage stays where it is below the residual that the solver leaves, 1e-3 of the tolerance 1e-5
+    assert np.abs(last.u - 0.5 * last.y).max() < 1e-8
+    assert np.abs(last.v).max() < 1e-12
+
+
+@pytest.mark.parametrize("treatment", ["comoving_image", "consistent_image"])
+def test_a_uniform_translation_is_kept_exactly(make, treatment):
+    translation = (f"walls.treatment.type={treatment}", "initial={state: developed, jitter: 0.2}", "time.end=7.0")
+    exactly = lambda x, y: np.stack([np.full_like(x, 0.3), np.zeros_like(x)], 1)  # noqa: E731
+    last = run(make(*translation, together=0.3, velocity=exactly))
+    # all differences that rows are applied to are 0, and what walls give cancels what images take, to the last bit
+    assert np.all(last.u == 0.3)
+    assert np.all(last.v == 0.0)
+    assert np.all(last.density == 1.0)
+
+
+def test_a_lattice_that_is_carried_along_stays_one(make):
+    scheme = make("initial.state=developed", "time.end=7.0", together=0.3)
+    before, last = scheme.snapshot(), run(scheme)
+    assert np.array_equal(last.y, before.y)
+    behind = last.x - before.x - 0.3 * 7.0
+    assert np.allclose(behind, np.round(behind), rtol=0, atol=1e-14)  # rounding of x in a few steps
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_what_the_walls_give_is_what_the_fluid_gains(make, jitter):
+    scheme = make(f"initial.jitter={jitter}", "walls.bottom.velocity=-0.1", "drive.acceleration=0.02", "time.end=2.0")
+    run(scheme)
+    balance = scheme.momentum_balance()
+    assert balance["top_wall"] > 0.0 > balance["bottom_wall"]
+    # on the lattice what one particle gives another takes, but for the residuals of the systems: 1e-8 of their right
+    # sides, three times in each of some 30 steps; the least-squares rows of a disordered arrangement are not
+    # symmetric, which leaves their truncation error
+    assert abs(balance["closure"]) < (1e-6 if jitter == 0.0 else 5e-2)
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.2])
+def test_walls_pull_developed_flow_with_the_stress_of_the_parabola(make, jitter):
+    walls = "walls={bottom: {velocity: -0.1}, top: {velocity: 0.5}}"
+    scheme = make(walls, "drive.acceleration=0.02", f"initial={{state: developed, jitter: {jitter}}}", "time.end=1.0")
+    run(scheme)
+    balance = scheme.momentum_balance()
+    # nu u' of u = -0.1 + 1.6 y - y^2, over a channel 1 long for 1 s; rows are exact for it, systems solved to 1e-8
+    assert balance["bottom_wall"] == pytest.approx(-0.01 * 1.6, rel=1e-6)
+    assert balance["top_wall"] == pytest.approx(-0.01 * 0.4, rel=1e-6)
+
+
+# --- symmetries
+
+TIGHT = "time={end: 2.0, tolerance: 1.0e-7}"
+
+# systems are solved to 1e-3 of the tolerance, 1e-10 of their right sides, whose norm is 6 at most (144 particles at
+# 0.5): three systems in each of 40 steps, in two runs that take different roundings, may differ by twice that in all
+SOLVED = 2e-7
+
+
+def test_exchanged_walls_give_the_mirrored_flow(make):
+    walls = "walls={{bottom: {{velocity: {0}}}, top: {{velocity: {1}}}}}"
+    one = run(make(TIGHT, walls.format(-0.1, 0.5), jitter=0.2))
+    two = run(make(TIGHT, walls.format(0.5, -0.1), jitter=0.2, moved=lambda x, y: np.stack([x, 1.0 - y], 1)))
+    assert np.abs(one.u - two.u).max() < SOLVED
+    assert np.abs(one.y + two.y - 1.0).max() < SOLVED
+
+
+def test_reversed_walls_give_the_reversed_flow(make):
+    one = run(make(TIGHT, "walls.top.velocity=0.5", jitter=0.2))
+    two = run(make(TIGHT, "walls.top.velocity=-0.5", jitter=0.2, moved=lambda x, y: np.stack([1.0 - x, y], 1)))
+    assert np.abs(one.u + two.u).max() < SOLVED
+    seam = (one.x + two.x) % 1.0
+    assert np.minimum(seam, 1.0 - seam).max() < SOLVED
+
+
+def test_the_flow_is_the_same_seen_from_the_other_wall(make):
+    # walls at 0 and 0.5, and at -0.5 and 0: the reference velocity and with it the control of the steps are the same
+    def seen_at(speed):
+        return lambda x, y: np.stack([0.5 * y**3 + speed, 0 * y], 1)
+
+    developed = "initial={state: developed, jitter: 0.2}"
+    one = run(make(TIGHT, developed, velocity=seen_at(0.0)))
+    moved = "walls={bottom: {velocity: -0.5}, top: {velocity: 0.0}}"
+    two = run(make(TIGHT, developed, moved, velocity=seen_at(-0.5)))
+    assert np.ptp(one.u - 0.5 * one.y) > 1e-2  # there is something to compare
+    assert np.abs(one.u - two.u - 0.5).max() < SOLVED
+    apart = one.x - two.x - 0.5 * one.t
+    assert np.abs(apart - np.round(apart)).max() < SOLVED
+    assert np.abs(one.y - two.y).max() < SOLVED
+
+
+def test_particles_around_a_place_are_those_of_a_snapshot_there(make):
+    scheme = make(jitter=0.2)
+    for _ in range(3):
+        scheme.advance()
+    times = scheme.time - np.array([0.75, 0.25, 0.0]) * scheme.dense.dt
+    x, length = np.array([0.3, 0.6, 0.0]), scheme.channel.length
+    when, place, y, u = scheme.around(times, x, 0.1)
+    for index, t in enumerate(times):
+        snapshot = scheme.snapshot(t)
+        away = (snapshot.x - x[index] + length / 2) % length - length / 2
+        near, own = np.abs(away) < 0.1, when == index
+        expected, found = np.argsort(snapshot.y[near]), np.argsort(y[own])
+        # the same sums of the same numbers, in another order
+        assert place[own][found] - x[index] == pytest.approx(away[near][expected], abs=1e-12)
+        assert y[own][found] == pytest.approx(snapshot.y[near][expected], abs=1e-12)
+        assert u[own][found] == pytest.approx(snapshot.u[near][expected], abs=1e-12)
+
+
+# --- restart
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        ("initial.jitter=0.2", "time.end=4.0"),
+        (
+            "initial={state: developed, jitter: 0.2}",
+            "walls.top={amplitude: 0.5, angular_frequency: 2.0, phase: cos}",
+            "time.end=2.0",
+        ),
+        ("walls.treatment.type=comoving_image", "scheme.operators.order=2", "time={end: 2.0, samples: [1.0, 1.5]}"),
+    ],
+    ids=["start", "swing", "comoving"],
+)
+def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
+    scheme = make(*overrides)
+    times = [scheme.time]
+    for _ in range(6):
+        scheme.advance()
+        times.append(scheme.time)
+    assert [scheme.shortest, scheme.longest] == pytest.approx([f(np.diff(times)) for f in (np.min, np.max)], rel=1e-12)
+    checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
+    steps = scheme.steps
+    whole = run(scheme)
+    assert scheme.steps > steps + 3
+    numbers = scheme.numbers(), scheme.momentum_balance(), scheme.shortest, scheme.longest
+
+    resumed = make(*overrides, started=False)
+    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
+    assert resumed.steps == steps
+    last = run(resumed)
+    for name in ("t", "step", "x", "y", "u", "v", "density", "pressure"):
+        assert np.array_equal(getattr(last, name), getattr(whole, name)), name
+    assert (resumed.numbers(), resumed.momentum_balance(), resumed.shortest, resumed.longest) == numbers
+
+
+# --- linear systems
+
+
+@pytest.mark.parametrize(("jitter", "identical"), [(0.0, True), (1e-6, False)])
+def test_layers_solve_the_systems_on_a_sheared_lattice_particles_off_it(make, jitter, identical):
+    scheme = make(f"initial.jitter={jitter}", "time.end=1.0")
+    solve, counts = scheme.solver.solve, []
+    scheme.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]
+    run(scheme)
+    assert scheme.solver.coarse.layers_identical == identical
+    assert (max(counts) == 0) == identical  # to rounding of the operators, over a tolerance of 1e-7 of the right side
+
+
+# --- volume
+
+
+def test_no_volume_is_counted_before_derivatives_mean_something(make):
+    """Re = 1000, 12 across: truncation errors of the layer while it is thinner than two spacings made 5.8e-3 of it."""
+    scheme = make("fluid.kinematic_viscosity=5e-4", "initial.jitter=0.3", f"time.end={5 / 144 / 5e-4}")
+    run(scheme)
+    assert 2.0 < scheme.layer_thickness < 2.5
+    assert 0.0 < np.abs(scheme.snapshot().density - 1.0).max() < 1e-3
+
+
+@pytest.mark.parametrize("order", [2, 4])
+def test_clustered_particles_stop_the_run(make, order):
+    scheme = make(f"scheme={{type: implicit, operators: {{order: {order}}}}}")
+    position = active(scheme.motion.position)
+    angle = np.linspace(0, 2 * np.pi, 70, endpoint=False)
+    # 70 particles within a fifth of a spacing: more than a row has room for at either order
+    position[:70] = 0.5 + 0.1 * scheme.channel.spacing * np.stack([np.cos(angle), np.sin(angle)], 1)
+    with pytest.raises(DivergedError, match=r"too many neighbours of a particle .* the particles have clustered"):
+        scheme.advance()
+
+
+def test_a_period_of_less_than_three_cells_is_refused(make):
+    short = ("geometry.length=0.5", "discretisation={particles_across: 16, kernel: wendland_c2, smoothing_ratio: 0.8}")
+    with pytest.raises(ConfigError, match=r"geometry\.length = 0\.5: must be at least 0\.5625, 9 particle spacings"):
+        make("scheme={type: implicit}", *short)
+
+
+def test_a_vanishing_matrix_is_solved_at_once(make):
+    solver = make("scheme={type: implicit}").solver
+    right = np.random.default_rng(1).normal(size=solver.points.fluid)
+    view(solver.b)[: right.size] = right
+    view(solver.x)[...] = 0.0
+    assert solver.solve(0.0, 1e-8)
+    assert np.array_equal(view(solver.x)[: right.size], right)
+
+
+def refusal(make, *overrides):
+    with pytest.raises(ConfigError) as caught:
+        make("scheme={type: implicit}", *overrides)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("treatment", sorted(set(registry.names("walls")) - set(OBEY_MOMENTUM)))
+def test_wall_treatments_without_ghosts_of_this_kind_are_refused(make, treatment):
+    text = refusal(make, f"walls.treatment={{type: {treatment}}}")
+    assert "walls.treatment.type" in text
+    assert treatment in text
+    assert all(served in text for served in OBEY_MOMENTUM)
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("scheme.equation_of_state", "{type: tait}"),
+        ("scheme.artificial_viscosity", "0.1"),
+        ("scheme.operators.order", "3"),
+        ("scheme.largest_strain", "0"),
+        ("time.tolerance", "0"),
+    ],
+)
+def test_meaningless_keys_and_values_are_refused(make, key, value):
+    assert key in refusal(make, f"{key}={value}")

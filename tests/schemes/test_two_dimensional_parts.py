@@ -1,0 +1,193 @@
+"""Parts of the two-dimensional scheme: weights and lengths of steps, scatter of loads, curvature of walls."""
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from inside import (
+    BETWEEN_WALLS,
+    COST,
+    FIRST,
+    LARGEST_MULTISTEP_FACTOR,
+    OVERHEAD,
+    STARTED,
+    TimeWeights,
+    WallPoints,
+    WallsOfRevolution,
+    scatter,
+)
+from inside import guessed_steps as _guessed_steps
+
+from tisph import scenes
+from tisph.cli.check import estimates
+from tisph.config import load
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.geometry.polygon import Polygon
+
+STEPS = [0.3, 0.25, 0.2, 0.28]
+NOW = 1.7
+
+
+@pytest.fixture
+def times():
+    return TimeWeights(STEPS, STEPS[0])
+
+
+def values(function, first=0):
+    """Values at the ends of the steps before now, newest first."""
+    return function(NOW - np.cumsum(STEPS))
+
+
+def test_differences_of_third_order_are_exact_for_cubics(times):
+    leading, back = times.bdf()
+    rate = (leading * NOW**3 - back @ values(lambda t: t**3)) / STEPS[0]
+    assert rate == pytest.approx(3 * NOW**2, rel=1e-12)
+    assert back[3] == 0.0
+
+
+def test_differences_of_equal_steps_are_those_of_the_books():
+    leading, back = TimeWeights([0.1] * 4, 0.1).bdf()
+    assert leading == pytest.approx(11 / 6, rel=1e-12)
+    assert back == pytest.approx([3, -3 / 2, 1 / 3, 0], abs=1e-12)
+
+
+def test_the_path_is_exact_for_cubic_velocities(times):
+    way = times.step_integral() @ values(lambda t: t**3)
+    assert way == pytest.approx((NOW**4 - (NOW - STEPS[0]) ** 4) / 4, rel=1e-12)
+
+
+def test_values_between_are_exact_for_cubics(times):
+    assert times.interpolation(0.1, 4) @ values(lambda t: t**3) == pytest.approx((NOW - 0.1) ** 3, rel=1e-12)
+    assert times.extrapolation(2) @ values(lambda t: 2 * t)[:2] == pytest.approx(2 * NOW, rel=1e-12)
+
+
+def test_values_that_are_not_known_yet_weigh_nothing():
+    weights = TimeWeights([0.1, 0.1], 0.1).step_integral()
+    assert weights == pytest.approx([0.15, -0.05, 0, 0], abs=1e-12)
+
+
+def test_the_error_is_that_of_the_differences(times):
+    # of t^4, whose error the differences of third order make in a step: (rate of the differences - rate) h / g
+    leading, back = times.bdf()
+    before = values(lambda t: t**4)
+    found = (back @ before + STEPS[0] * 4 * NOW**3) / leading
+    error, order = times.step_error(NOW**4 - times.extrapolation(4) @ before, leading, 1.0)
+    assert order == 3
+    assert error == pytest.approx(abs(found - NOW**4), rel=1e-9)
+
+
+FLOWS = {
+    "scene: taylor_green\ngeometry: {length: 1.0}\ninitial: {velocity: 1.0}": (400, 1.0),
+    "scene: cavity\ngeometry: {width: 1.0, height: 1.0}\nwalls: {lid: {velocity: 1.0}}": (400, BETWEEN_WALLS),
+    "scene: annulus\ngeometry: {inner_radius: 1.0, outer_radius: 2.0}\nwalls: {inner: {angular_velocity: 1.0}}": (
+        round(3 * math.pi * 400),
+        BETWEEN_WALLS,
+    ),
+}
+
+
+def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
+    scene = SimpleNamespace(
+        reference_velocity=1.0, bodies=(), rheology=None, spacing=0.1, start_time=0.0, axisymmetric=False
+    )
+    found = []
+    for changes in ((), (2.0,), (0.5,)):
+        scene.jump_times = changes
+        found += _guessed_steps(scene, [1.0], 2e-6, 0.2)
+    grow = math.log(1.0 / FIRST) / math.log(LARGEST_MULTISTEP_FACTOR) - 1.0 / (1.0 - 1.0 / LARGEST_MULTISTEP_FACTOR)
+    assert found == [round(STARTED + 50 + grow), round(STARTED + 50 + grow), round(STARTED + 50 + 2 * grow)]
+
+
+def test_flow_around_the_axis_takes_no_step_shorter():
+    """Of configs/taylor_vortices.yaml: 223 measured up to t = 40; by the speed of the wall it would be 1040."""
+    sample = estimates(load(Path(__file__).parents[2] / "configs" / "taylor_vortices.yaml"))["samples"][1]
+    assert sample.steps < 223 < sample.steps_range(sample.steps)[1] < 1040
+
+
+def test_a_tight_tolerance_costs_more_steps_at_the_start():
+    """By its fourth root, the errors of a step being of fourth order: 3e-4 in place of 2e-6 is a factor of 3.5."""
+    config = Path(__file__).parents[2] / "configs" / "cylinder_in_channel.yaml"
+    tight, loose = (
+        estimates(load(config, [f"time.tolerance={tolerance}", "time.end=1e-3", "time.samples=[1e-3]"]))["steps"]
+        for tolerance in (2e-6, 3e-4)
+    )
+    assert tight - loose == pytest.approx(STARTED * (1.0 - (2e-6 / 3e-4) ** 0.25), abs=1.0)
+
+
+@pytest.mark.parametrize("flow", FLOWS, ids=lambda flow: flow.split()[1])
+def test_a_particle_between_walls_is_stated_to_cost_more(flow, tmp_path):
+    """Measured: 1.3 to 2.3 times as much in the annulus as in the vortex, 5900 particles each."""
+    liquid = "fluid: {density: 1.0, kinematic_viscosity: 0.01}"
+    (tmp_path / "case.yaml").write_text(
+        f"{flow}\n{liquid}\ndiscretisation: {{particles_across: 20}}\ntime: {{end: 1.0}}"
+    )
+    found, (particles, factor) = estimates(load(tmp_path / "case.yaml")), FLOWS[flow]
+    assert found["run_time"] == pytest.approx(found["steps"] * (OVERHEAD + particles * factor * COST), rel=1e-14)
+
+
+def test_a_cubic_force_over_uneven_steps_has_no_scatter():
+    times = np.array([2.0, 1.7, 1.5, 1.1, 0.4, 0.3])
+    forces = np.stack([1.0 + times - 0.3 * times**3, 0.0 * times], axis=1)[:, None]
+    assert scatter(times, forces)[0] < 1e-14  # rounding, a few times 1e-16
+
+
+def test_random_forces_have_the_scatter_they_were_made_with():
+    # of 8 differences in each of 400 windows: the mean square is known to 1 / sqrt(1600), its root to half of that
+    noise = np.random.default_rng(0).normal(scale=0.01, size=(400, 12, 2, 2)) * [[0.1], [1.0]]
+    forces = np.array([[2.0, 0.0], [1.0, 0.0]]) + noise
+    found = [scatter(np.linspace(1.0, 0.0, 12), each) for each in forces]
+    assert {number for _, number in found} == {1}
+    measured = np.sqrt(np.mean([value**2 for value, _ in found]))
+    # over the larger force, 2; both components count
+    assert measured == pytest.approx(0.01 * np.sqrt(2.0) / 2.0, rel=0.05)
+
+
+def test_few_steps_or_no_force_have_no_scatter():
+    times = np.arange(4.0)[::-1]
+    assert scatter(times, np.ones((4, 1, 2))) is None
+    assert scatter(np.arange(6.0)[::-1], np.zeros((6, 1, 2))) is None
+
+
+def test_operators_use_polar_coordinates_near_curved_walls_only():
+    """Of particles 0.2 from walls of radius 1, from outside and inside, from a flat one, and too far from one."""
+    normal = np.array([[0.6, 0.8], [0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
+    planes = np.column_stack([normal, np.zeros(4)])[:, None]
+    distances, curvatures = np.array([0.2, 0.2, 0.2, 1.0])[:, None], np.array([1.0, -1.0, 0.0, 1.0])[:, None]
+    found = WallPoints.polar_map(SimpleNamespace(spacing=0.1), None, planes, distances, curvatures)
+    assert found == pytest.approx(np.array([[0.6 / 1.2, -0.8 / 1.2], [0.0, 1.0 / 0.8], [0.0, 0.0], [0.0, 0.0]]))
+
+
+def curvatures_along(shape, spacing):
+    """Those that operators use along a line half a spacing off the wall of a body across the edge of a cell."""
+    body = Body(shape, (0.05, 2.0), angle=0.3, periods=(4.0, np.inf))
+    boundary = body.boundary_points(0.05 * spacing)
+    points = boundary.point + 0.5 * spacing * boundary.normal
+    return WallPoints([body], spacing, (0.0, 0.0)).nearest_walls(points % [4.0, 9.0], 0.0)[2][:, 0]
+
+
+def test_curvature_varies_continuously_where_corners_begin():
+    """By a part of its window at most every twentieth of a spacing; its jump would be one of the operators."""
+    square = Polygon(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), 0.4)
+    found = curvatures_along(square, 0.1)
+    assert np.abs(np.diff(found)).max() < 0.06 * 2.5
+    assert found.max() == pytest.approx(2.5, rel=0.05)
+    assert found.min() == 0.0
+
+
+def test_curvature_of_a_circle_is_that_of_its_radius():
+    assert curvatures_along(Circle(0.4), 0.1) == pytest.approx(2.5, rel=1e-12)
+
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+
+
+@pytest.mark.parametrize(
+    ("config", "across"),
+    [("pipe", False), ("taylor_vortices", False), ("spin_up", False), ("sphere_in_tube", True), ("rotating_end", True)],
+)
+def test_flow_along_spheres_and_plates_goes_to_the_axis(config, across):
+    scene = scenes.of(load(CONFIGS / f"{config}.yaml"))
+    assert WallsOfRevolution(scene.bodies, scene.spacing, scene.origin).across_axis == across

@@ -1,0 +1,231 @@
+"""A simulation in the hand: the states, bits and files of ``tisph run``, step by step in this process."""
+
+import gc
+import signal
+
+import numpy as np
+import pytest
+
+import tisph
+from tisph import runtime, simulation
+from tisph.config.loader import loaded
+from tisph.errors import ConfigError, DivergedError, TisphError
+from tisph.runtime import ti
+
+pytestmark = pytest.mark.taichi
+
+CASE = {
+    "name": "small",
+    "scene": "channel",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
+    "geometry": {"gap": 1.0, "length": 1.0},
+    "walls": {"top": {"velocity": 0.5}},
+    "discretisation": {"particles_across": 12},
+    "scheme": {"type": "implicit"},
+    "time": {"end": 1.0, "samples": [0.4, 1.0]},
+    "output": {"video": None},
+    "runtime": {"threads": 1},
+}
+VORTICES = {
+    "scene": "taylor_green",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 0.05},
+    "geometry": {"length": 1.0},
+    "initial": {"velocity": 1.0},
+    "discretisation": {"particles_across": 16},
+    "time": {"end": 0.2, "samples": [0.2]},
+    "output": {"video": None},
+    "runtime": {"threads": 1},
+}
+
+
+@pytest.fixture(autouse=True)
+def no_other():
+    """Let no simulation of another test be open."""
+    yield
+    gc.collect()
+
+
+@pytest.fixture(scope="module")
+def end_of_run(tmp_path_factory):
+    """Folder of the small case, and what is in its last sample."""
+    folder = simulation.run(loaded(CASE, {}), tmp_path_factory.mktemp("small") / "out")
+    return folder, tisph.open(folder).samples[-1]
+
+
+def same(state, sample):
+    return all(np.array_equal(getattr(state, name), sample[name]) for name in ("x", "y", "u", "v"))
+
+
+def test_states_at_regular_times_end_with_the_bits_of_tisph_run(end_of_run):
+    with tisph.Simulation(CASE) as sim:
+        assert sim.state.t == 0.0
+        assert not sim.state.u.any()
+        states = list(sim.every(0.25))
+        with pytest.raises(TisphError, match="there is no further step"):
+            sim.step()
+    assert [state.t for state in states] == [0.25, 0.5, 0.75, 1.0]
+    assert same(states[-1], end_of_run[1])
+    assert sim.state.error.shape == sim.state.x.shape
+    assert sim.state.l2 == tisph.open(end_of_run[0]).summary.samples[-1].l2
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "wcsph"])
+def test_callbacks_come_by_time_and_by_steps_and_change_no_bit(scheme):
+    times, steps = [], []
+    with tisph.Simulation(CASE, **{"scheme.type": scheme}) as sim:
+        sim.on(tisph.every(time=0.1), lambda state: times.append(state.t))
+        sim.on(tisph.every(steps=5), lambda state: steps.append(state.step))
+        sim.run_until(0.55)
+        assert sim.time >= 0.55
+        watched = sim.run_until(1.0)
+    assert len(times) == 10
+    assert max(abs(np.array(times) - np.arange(1, 11) / 10)) < 0.02
+    assert steps == list(range(5, watched.step + 1, 5))
+    with tisph.Simulation(CASE, **{"scheme.type": scheme}) as alone:
+        assert np.array_equal(alone.run_until(1.0).u, watched.u)
+
+
+@pytest.mark.parametrize("given", [{}, {"time": 0.1, "steps": 2}, {"time": -1.0}, {"steps": 2.5}])
+def test_a_schedule_that_is_none_is_refused(given):
+    with pytest.raises(ConfigError, match="every: give one of"):
+        tisph.every(**given)
+
+
+def test_a_saved_simulation_continues_bitwise(end_of_run, tmp_path):
+    with tisph.Simulation(CASE) as sim:
+        sim.run_until(0.5)
+        sim.save(tmp_path / "checkpoint.h5")
+        saved = sim.steps
+    with tisph.Simulation.restore(tmp_path / "checkpoint.h5") as sim:
+        assert sim.steps == saved
+        assert same(sim.run_until(1.0), end_of_run[1])
+
+
+def test_results_are_the_files_of_tisph_run(end_of_run, tmp_path):
+    sim = tisph.Simulation(CASE)
+    sim.results(tmp_path / "mine")
+    for _ in range(3):
+        sim.step()
+    with pytest.raises(TisphError, match="before the first step"):
+        sim.results(tmp_path / "other")
+    sim.close()
+    assert tisph.open(tmp_path / "mine").summary.status == "interrupted"
+    sim = tisph.Simulation.restore(tmp_path / "mine" / "checkpoint.h5")
+    sim.results(tmp_path / "mine")
+    while not sim.finished:
+        sim.step()
+    whole, mine = (tisph.open(folder) for folder in (end_of_run[0], tmp_path / "mine"))
+    assert {path.name for path in mine.folder.iterdir()} - {"checkpoint.h5"} == {p.name for p in whole.folder.iterdir()}
+    assert (mine.folder / "history.csv").read_text() == (whole.folder / "history.csv").read_text()
+    assert mine.summary.samples == whole.summary.samples
+    assert (mine.summary.numbers, mine.summary.momentum) == (whole.summary.numbers, whole.summary.momentum)
+    assert all(np.array_equal(a[name], b[name]) for a, b in zip(mine.samples, whole.samples, strict=True) for name in a)
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "wcsph"])
+def test_a_flow_of_functions_is_kept_steady_by_its_force(scheme):
+    wave, speed = 2 * np.pi, 0.1
+
+    def velocity(x, y, t):
+        return speed * np.sin(wave * y), 0.0
+
+    def force(x, y, t):
+        return 0.05 * wave**2 * speed * np.sin(wave * y), 0.0
+
+    given = {"initial_velocity": velocity, "scheme.type": scheme, "time": {"end": 0.1, "samples": [0.1]}}
+    with tisph.Simulation(VORTICES, body_force=force, **given) as sim:
+        assert sim.state.error is None
+        state = sim.run_until(0.1)
+    change = np.hypot(state.u - velocity(state.x, state.y, 0.1)[0], state.v)
+    assert change.max() < (1e-3 if scheme == "implicit" else 2e-2) * speed
+    with tisph.Simulation(VORTICES, **given) as sim:
+        state = sim.run_until(0.1)  # without the force it decays
+    decayed = speed * np.exp(-0.05 * wave**2 * 0.1)
+    assert np.abs(state.u).max() == pytest.approx(decayed, rel=0.03)
+
+
+def test_a_given_reference_velocity_serves_flow_that_a_force_drives():
+    def force(x, y, t):
+        return np.sin(2 * np.pi * y), 0.0
+
+    slow = {"initial.velocity": 1e-6}  # by which the flow runs away: the force makes it 3e4 times as fast
+    with (
+        tisph.Simulation(VORTICES, body_force=force, **slow) as sim,
+        pytest.raises(DivergedError, match=r"1000 times the reference velocity.* reference\.velocity, if"),
+    ):
+        sim.run_until(0.1)
+    with tisph.Simulation(VORTICES, body_force=force, **slow, reference={"velocity": 0.1}) as sim:
+        state = sim.run_until(0.1)
+    rate = 0.05 * (2 * np.pi) ** 2  # u = sin(2 pi y) (1 - exp(-rate t)) / rate
+    exact = np.sin(2 * np.pi * state.y) * -np.expm1(-rate * 0.1) / rate
+    assert np.abs(state.u - exact).max() < 1e-3 * np.abs(exact).max()  # as of the steady flow above
+
+
+def test_functions_are_refused_where_nothing_asks_for_them(tmp_path):
+    with pytest.raises(ConfigError, match=r"initial_velocity: .* taylor_green and shear_layer"):
+        tisph.Simulation(CASE, initial_velocity=lambda x, y, t: (x, y))
+    with pytest.raises(ConfigError, match=r"body_force: .* drive\.acceleration"):
+        tisph.Simulation(CASE, body_force=lambda x, y, t: (x, y))
+    with (
+        tisph.Simulation(VORTICES, body_force=lambda x, y, t: (0.0, 0.0)) as sim,
+        pytest.raises(ConfigError, match="results: "),
+    ):
+        sim.results(tmp_path / "out")
+
+
+def test_two_simulations_at_once_are_refused_and_one_after_the_other_run(end_of_run):
+    with tisph.Simulation(CASE) as sim:
+        sim.step()
+        with pytest.raises(TisphError, match=r"'small' is open, .* close\(\), or use tisph.run"):
+            tisph.Simulation(CASE)
+        sim.run_until(1.0)
+        with tisph.Simulation(CASE) as other:  # a finished one gives way
+            assert same(sim.state, end_of_run[1])
+            other.step()
+    with pytest.raises(TisphError, match="is closed"):
+        other.step()
+
+
+@pytest.fixture
+def heeded_interrupts():
+    """Ctrl-C raises KeyboardInterrupt, also where what started the tests has it ignored, as ``nohup ... &`` does."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("heeded_interrupts")
+def test_ctrl_c_takes_effect_after_the_step_and_changes_no_bit(end_of_run, monkeypatch):
+    with tisph.Simulation(CASE) as sim:
+        sim.on(tisph.every(time=0.1), lambda state: times.append(state.t))
+        times, advance = [], sim.scheme.advance
+
+        def interrupted():
+            signal.raise_signal(signal.SIGINT)
+            advance()
+
+        for _ in range(3):
+            monkeypatch.setattr(sim.scheme, "advance", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                sim.step()
+            monkeypatch.setattr(sim.scheme, "advance", advance)
+        assert sim.steps == 3
+        assert same(sim.run_until(1.0), end_of_run[1])
+    assert len(times) == 10
+
+
+def test_a_program_of_somebody_else_is_refused_and_left_alone():
+    runtime.stop()
+    ti.init(arch=ti.cpu, log_level=ti.ERROR)
+    field = ti.field(ti.i32, 3)
+    field.fill(7)
+    with pytest.raises(TisphError, match=r"another Taichi program .* ti.reset\(\) .* tisph.run"):
+        tisph.Simulation(CASE)
+    assert field.to_numpy().tolist() == [7, 7, 7]
+    ti.reset()
+    with tisph.Simulation(CASE) as sim:
+        sim.step()
+        ti.init(arch=ti.cpu, log_level=ti.ERROR)
+        with pytest.raises(TisphError, match="fields of this simulation are gone"):
+            sim.step()
+        ti.reset()

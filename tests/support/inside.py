@@ -1,0 +1,82 @@
+"""Inner parts of the package that tests look at: the one place to change where a part moves or has another name.
+
+``from inside import NAME`` imports the module of that part alone.
+"""
+
+import importlib
+
+PARTS = {
+    "bodies._clearance": "clearance_problems=problems",
+    "interface.running": "message_error=_error",
+    "measures.channel": "wall_slope=_slope",
+    "measures.fits": "cell_rule=_rule",
+    "measures.rheometry": (
+        "amplitudes=_amplitudes creep=_creep flow_curve=_flow_curve middle=_middle oscillation=_oscillation "
+        "slowest_pair=_slowest_pair start_up=_start_up step_strain=_step_strain window=_window"
+    ),
+    "observers._storage": "Description Storage write_snapshot",
+    "operators._pairs": "WeightTable",
+    "report.movie": "Ranges=_Ranges overlays=_overlays",
+    "results._results": "Trajectories",
+    "results._summary": "typed",
+    "scenes": "axisymmetric=_axisymmetric scene_protocol=_scene suspension_stress=_suspension_stress",
+    "scenes._cell": "Cell",
+    "scenes._layers": "PolymerParameters",
+    "scenes._suspension_stress": (
+        "SUSPENSION_STRESS_BODIES=BODIES SUSPENSION_STRESS_CONTACTS=CONTACTS SUSPENSION_STRESS_WALLS=WALLS "
+        "suspension_columns=columns suspension_stresses=stresses"
+    ),
+    "schemes": "scheme_estimate=_estimate scheme_protocol=_protocol two_dimensional=_two_dimensional",
+    "schemes._channel": "channel_operators=operators channel_stages=stages",
+    "schemes._channel.models": "ViscoelasticModel channel_conformation_excess=conformation_excess",
+    "schemes._channel.stages": "B_HAT FlowState GAMMA STAGES_A=A STAGES_B=B",
+    "schemes._channel.stress_controlled": "MasslessWall",
+    "schemes._channel.walls": "CoupledWall OBEY_MOMENTUM PrescribedWall",
+    "schemes._estimate": (
+        "EXPLICIT_COST IMPLICIT_COST IMPLICIT_OVERHEAD ImplicitLayers MOST_STEPS "
+        "estimate_least_squares=least_squares off_layers profile_lost step_counts"
+    ),
+    "schemes._local_newton": "SMALL eliminate matrix",
+    "schemes._protocol": "ProbedScheme SampleEstimate Scheme",
+    "schemes._shifting": "SCATTER",
+    "schemes._step_control": (
+        "LARGEST_FACTOR LARGEST_MULTISTEP_FACTOR MOST_ATTEMPTS REJECTED SAFETY SHARE SMALLEST_FACTOR "
+        "StepControl StepPlan"
+    ),
+    "schemes._time_step": "SHIFT shift_speed stiffness time_step_limits",
+    "schemes._two_dimensional": (
+        "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTED guessed_steps=_guessed_steps "
+        "log_conformation log_conformation_with_swirl step_limits two_dimensional_scheme=scheme "
+        "viscoelastic_stress wall_points"
+    ),
+    "schemes._two_dimensional.corner_singularities": "CornerSingularities FAR STEEPEST SingularPaths",
+    "schemes._two_dimensional.free_bodies": "Contact RESIDUAL",
+    "schemes._two_dimensional.scheme": "COURANT SplittingScheme",
+    "schemes._two_dimensional.step_limits": "FIRST TOLERANCE step_control",
+    "schemes._two_dimensional.time_levels": "TimeWeights VELOCITIES",
+    "schemes._two_dimensional.wall_boundary": "scatter",
+    "schemes._two_dimensional.wall_points": "WallPoints WallsOfRevolution",
+    "schemes.wcsph._bodies": "Loads",
+    "schemes.wcsph._boundaries": "ImpulsiveStart",
+    "simulation.recording": "steady=_steady",
+    "walls._dummies": "layers_in",
+    "walls._virtual_image": "RADIUS SMALLEST_DETERMINANT",
+}
+"""Module below ``tisph`` -> names in it, or ``name in tests=name there``: attributes, or modules of that package."""
+
+PLACES = {
+    part.partition("=")[0]: (module, part.rpartition("=")[2])
+    for module, parts in PARTS.items()
+    for part in parts.split()
+}
+
+
+def __getattr__(name):
+    """Return a part by its name in tests."""
+    if name not in PLACES:
+        raise AttributeError(name)
+    module, attribute = PLACES[name]
+    owner = importlib.import_module(f"tisph.{module}")
+    if hasattr(owner, attribute):
+        return getattr(owner, attribute)
+    return importlib.import_module(f"tisph.{module}.{attribute}")

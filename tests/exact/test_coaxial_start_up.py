@@ -11,7 +11,8 @@ from polymer_laws import law, steady_shear
 from scipy.integrate import quad
 from scipy.special import jn_zeros, jv
 
-from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, PipeStartUp, StartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, Flow, PipeStartUp, StartUp, Wall
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.rheology import power_law
 

@@ -12,7 +12,8 @@ from scipy.optimize import brentq
 
 from tisph import registry
 from tisph.exact import couette
-from tisph.exact.start_up import CircularStartUp, Flow, InelasticFluid, StartUp, ViscoelasticFluid, Wall
+from tisph.exact._fluids import InelasticFluid, ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, Flow, StartUp, Wall
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 
 HEIGHTS = np.linspace(0.0, 1.0, 41)

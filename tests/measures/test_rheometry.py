@@ -25,7 +25,7 @@ from tisph.exact.linear_viscoelasticity import (
     corrected_viscosity,
     cylinder_apparent_viscosity,
 )
-from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid, Wall
+from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 from tisph.measures.rheometry import as_plane, read, read_schedule

@@ -5,12 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import SUSPENSION_STRESS_BODIES as BODIES
-from inside import SUSPENSION_STRESS_CONTACTS as CONTACTS
-from inside import SUSPENSION_STRESS_WALLS as WALLS
+from inside import STRESS_BY_BODIES as BODIES
+from inside import STRESS_BY_CONTACTS as CONTACTS
+from inside import STRESS_ON_WALLS as WALLS
 from inside import Contact
-from inside import suspension_columns as columns
-from inside import suspension_stresses as stresses
 from typer.testing import CliRunner
 
 from tisph import cli, scenes

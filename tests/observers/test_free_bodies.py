@@ -7,11 +7,10 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from inside import Contact, Description
+from inside import Contact
 from inside import Trajectories as Read
 from inside import overlays as _overlays
 from inside import steady as _steady
-from inside import suspension_stress as _suspension_stress
 
 from tisph import scenes
 from tisph.cli.check import described, forecast

@@ -1,7 +1,6 @@
 """The effective viscosity of bodies in shear, by the forces on the walls and by the stresses of the bodies."""
 
 import pytest
-from inside import suspension_stresses as stresses
 
 import tisph
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from inside import GAMMA, CoupledWall, PrescribedWall
-from inside import channel_stages as stages
+from inside import channel_step as step
 
 from tisph.geometry.motion import WallMotion
 

@@ -6,7 +6,7 @@ from inside import scheme_estimate as _estimate
 
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes.implicit import control
+from tisph.schemes.implicit import step_control
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi

@@ -6,7 +6,6 @@ import case_from_text
 import numpy as np
 import pytest
 from inside import SMALL, SplittingScheme
-from inside import axisymmetric as _axisymmetric
 from inside import two_dimensional as _two_dimensional
 
 from tisph.measures.resolution import LARGEST_ADDED_POWER, resolution

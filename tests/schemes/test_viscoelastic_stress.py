@@ -15,7 +15,8 @@ from scipy.linalg import expm, logm
 
 from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError, DivergedError
-from tisph.exact.start_up import CircularStartUp, ViscoelasticFluid
+from tisph.exact._fluids import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.body import SlidingWall
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion

@@ -5,7 +5,7 @@ from inside import ImplicitLayers
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
-from tisph.schemes.implicit import control
+from tisph.schemes.implicit import step_control
 
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")
 

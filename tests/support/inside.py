@@ -7,29 +7,24 @@ import importlib
 
 PARTS = {
     "bodies._clearance": "clearance_problems=problems",
-    "interface.running": "message_error=_error",
+    "interface": "message_error=_error",
     "measures.channel": "wall_slope=_slope",
     "measures.fits": "cell_rule=_rule",
     "measures.rheometry": (
         "amplitudes=_amplitudes creep=_creep flow_curve=_flow_curve middle=_middle oscillation=_oscillation "
         "slowest_pair=_slowest_pair start_up=_start_up step_strain=_step_strain window=_window"
     ),
-    "observers._storage": "Description Storage write_snapshot",
+    "observers.samples": "Description Storage write_snapshot",
     "operators._pairs": "WeightTable",
     "report.movie": "Ranges=_Ranges overlays=_overlays",
-    "results._results": "Trajectories",
-    "results._summary": "typed",
-    "scenes": "axisymmetric=_axisymmetric scene_protocol=_scene suspension_stress=_suspension_stress",
-    "scenes._cell": "Cell",
-    "scenes._layers": "PolymerParameters",
-    "scenes._suspension_stress": (
-        "SUSPENSION_STRESS_BODIES=BODIES SUSPENSION_STRESS_CONTACTS=CONTACTS SUSPENSION_STRESS_WALLS=WALLS "
-        "suspension_columns=columns suspension_stresses=stresses"
-    ),
+    "results._results": "Trajectories typed",
+    "scenes": "axisymmetric=_axisymmetric scene_protocol=_scene",
+    "scenes._cell": "Cell STRESS_BY_BODIES STRESS_BY_CONTACTS STRESS_ON_WALLS",
+    "scenes._scene": "PolymerParameters",
     "schemes": "scheme_estimate=_estimate scheme_protocol=_protocol two_dimensional=_two_dimensional",
-    "schemes._channel": "channel_operators=operators channel_stages=stages",
+    "schemes._channel": "channel_operators=operators channel_step=step",
     "schemes._channel.models": "ViscoelasticModel channel_conformation_excess=conformation_excess",
-    "schemes._channel.stages": "B_HAT FlowState GAMMA STAGES_A=A STAGES_B=B",
+    "schemes._channel.step": "B_HAT FlowState GAMMA STAGES_A=A STAGES_B=B",
     "schemes._channel.stress_controlled": "MasslessWall",
     "schemes._channel.walls": "CoupledWall OBEY_MOMENTUM PrescribedWall",
     "schemes._estimate": (
@@ -46,13 +41,12 @@ PARTS = {
     "schemes._time_step": "SHIFT shift_speed stiffness time_step_limits",
     "schemes._two_dimensional": (
         "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTED guessed_steps=_guessed_steps "
-        "log_conformation log_conformation_with_swirl step_limits two_dimensional_scheme=scheme "
-        "viscoelastic_stress wall_points"
+        "log_conformation log_conformation_with_swirl two_dimensional_scheme=scheme "
+        "viscoelastic_stress wall_points FIRST TOLERANCE two_dimensional_step_control=step_control"
     ),
     "schemes._two_dimensional.corner_singularities": "CornerSingularities FAR STEEPEST SingularPaths",
     "schemes._two_dimensional.free_bodies": "Contact RESIDUAL",
     "schemes._two_dimensional.scheme": "COURANT SplittingScheme",
-    "schemes._two_dimensional.step_limits": "FIRST TOLERANCE step_control",
     "schemes._two_dimensional.time_levels": "TimeWeights VELOCITIES",
     "schemes._two_dimensional.wall_boundary": "scatter",
     "schemes._two_dimensional.wall_points": "WallPoints WallsOfRevolution",
@@ -60,7 +54,7 @@ PARTS = {
     "schemes.wcsph._boundaries": "ImpulsiveStart",
     "simulation.recording": "steady=_steady",
     "walls._dummies": "layers_in",
-    "walls._virtual_image": "RADIUS SMALLEST_DETERMINANT",
+    "walls.virtual_image": "RADIUS SMALLEST_DETERMINANT",
 }
 """Module below ``tisph`` -> names in it, or ``name in tests=name there``: attributes, or modules of that package."""
 

@@ -1,7 +1,8 @@
 """The Taylor-Green vortex in a periodic box, for tests of the scheme that has a pressure."""
 
 import numpy as np
-from inside import COURANT, TOLERANCE, PeriodicProblem, SplittingScheme, step_control
+from inside import COURANT, TOLERANCE, PeriodicProblem, SplittingScheme
+from inside import two_dimensional_step_control as step_control
 from kept_program import kept
 
 from tisph import runtime

@@ -98,7 +98,7 @@ def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
     for t in sorted({each.numbers["t"] for each in samples}):
         errors = {each.across: each.error for each in samples if each.numbers["t"] == t}
         if len(errors) > 1 and all(errors.values()):
-            orders[t] = fitted_order(errors.keys(), list(errors.values()))
+            orders[t] = fitted_order(errors.keys(), [error for error in errors.values() if error])
     return Judgement(samples, [text for text in trends if text], orders, _diagnoses(by_resolution))
 
 
@@ -160,7 +160,7 @@ def _paired(frames: list[Frame], times: list[float], path: Path) -> list[tuple[F
 
 def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, config: Any) -> Sample:
     aligned = _aligned(path, frame, t, scene, question)
-    series = None
+    series: Any = None
     if text := alignment.errors_alone(aligned):
         aligned = aligned.noted(text)
     else:

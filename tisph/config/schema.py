@@ -177,7 +177,7 @@ class Config(Model):
     output: Output = Output()
     runtime: Runtime = Runtime()
 
-    unset_keys = ("reference",)
+    unset_keys: ClassVar[tuple[str, ...]] = ("reference",)
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
     axisymmetric: ClassVar[bool] = False

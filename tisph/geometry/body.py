@@ -11,11 +11,12 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from tisph.geometry.motion import REST, STILL, FreeMotion, RigidMotion, WallMotion
+from tisph.geometry.motion import REST, STILL, FreeMotion, RigidMotion
 from tisph.geometry.shape import Boundary, ClosestPoint, Shape
 
 POINTS = 1000
@@ -65,7 +66,7 @@ class Body:
     angle: float = 0.0
     motion: RigidMotion | FreeMotion = REST
     periods: tuple[float, float] = (math.inf, math.inf)
-    spin: WallMotion = STILL
+    spin: Any = STILL
 
     def __post_init__(self) -> None:
         if self.shape.smallest_radius == math.inf and self.motion.rotation.largest_speed:

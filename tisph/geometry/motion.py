@@ -161,7 +161,7 @@ class RigidMotion(OfComponents):
 
     x: WallMotion = WallMotion(0.0)
     y: WallMotion = WallMotion(0.0)
-    rotation: WallMotion = WallMotion(0.0)
+    rotation: Any = WallMotion(0.0)
 
 
 STILL = WallMotion(0.0)

@@ -37,7 +37,7 @@ class Box:
 
 
 def box_around(
-    corners: Sequence[Sequence[float]] | np.ndarray,
+    corners: Sequence[Sequence[float] | np.ndarray] | np.ndarray,
     spacing: float,
     periodic: Sequence[bool],
     margin: float,

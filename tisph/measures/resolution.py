@@ -45,7 +45,7 @@ def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) 
 
 
 def steadiness(
-    scene: Any, t: float, series: tuple[Any, ...], column: int = 0, words: str = "kinetic energy"
+    scene: Any, t: float, series: Sequence[Any], column: int = 0, words: str = "kinetic energy"
 ) -> dict[str, Any]:
     """Return ``energy_change``, ``steady`` and ``steady_reason`` (None for steady flow) at time ``t``, by name.
 

@@ -195,7 +195,7 @@ class PointCloud:
         """Return the vector from point ``i`` to point ``j``, to its nearest periodic copy."""
         return self.domain.minimum_image(self.position[j] - self.position[i])
 
-    def listed_neighbours(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def listed_neighbours(self, rows: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
         """Return the table of ``rows`` (k,), and whether an entry is a neighbour, both of shape (k, row_capacity)."""
         return view(self.neighbours)[rows], np.arange(self.row_capacity) < view(self.count)[rows, None]
 

@@ -1,6 +1,7 @@
 """Guard: stops a run whose state is not sound, and stores the last sound state."""
 
 from collections.abc import Sequence
+from typing import Any, cast
 
 import numpy as np
 
@@ -52,8 +53,8 @@ class Guard(StateObserver):
             limit = f"is more than {TRANSVERSE_LIMIT:.0%} of the fastest velocity along x: the parallel flow breaks up"
             self._refuse(snapshot, "v", across, limit)
         if self.scene.bodies:
-            points = np.stack([snapshot.x, snapshot.y], axis=1)
-            self._refuse(snapshot, "x", ~self.scene.seen(snapshot).contains(points, snapshot.t), "lies beyond a wall")
+            points, scene = np.stack([snapshot.x, snapshot.y], axis=1), cast(Any, self.scene.seen(snapshot))
+            self._refuse(snapshot, "x", ~scene.contains(points, snapshot.t), "lies beyond a wall")
         else:
             for axis, size, periodic in zip("xy", self.scene.extent, self.scene.periodic, strict=True):
                 if not periodic:

@@ -139,7 +139,7 @@ def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[S
         if of_velocity and not scene.fields:
             return ""
         if by_speed:
-            return f"rms error {scientific(rms_error(scene, snapshot))} U"
+            return f"rms error {scientific(rms_error(scene, snapshot) or 0.0)} U"
         error = field_error(scene, snapshot, field[0]) if field else relative_error(scene, snapshot)
         return f"{name}: none yet" if error is None else f"{name} {scientific(error)}"
 

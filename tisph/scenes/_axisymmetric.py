@@ -207,7 +207,7 @@ class AxisymmetricScene(BodyScene):
         positions, velocity = with_walls(self, snapshot)
         return float(section_weights(self.seen(snapshot), positions, snapshot.t) @ velocity[:, 0])
 
-    def spread(self, snapshot: Snapshot) -> dict[str, float]:
+    def spread(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return least distance of particles and largest void, in spacings, and the divergence.
 
         See ``_views.planar_diagnostics``.

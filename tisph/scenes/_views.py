@@ -230,7 +230,7 @@ def _conformation_trace(scene: Any, snapshot: Any) -> np.ndarray:
 def _error(scene: Any, snapshot: Snapshot) -> np.ndarray:
     """Return |u - u_exact|; a velocity component without a reference is compared with 0."""
     names = [name for name in ("u", "v", "w") if getattr(snapshot, name) is not None]
-    exact = with_reference(scene, snapshot, [name for name in names if name in scene.fields]).reference
+    exact = with_reference(scene, snapshot, [name for name in names if name in scene.fields]).reference or {}
     return np.linalg.norm([getattr(snapshot, name) - exact.get(name, 0.0) for name in names], axis=0)
 
 

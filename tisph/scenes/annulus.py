@@ -189,7 +189,7 @@ class BetweenCylinders(BodyScene):
         """Return the angular velocity of a cylinder before t = 0."""
         if wall.before is not None:
             return wall.before
-        return wall.velocity(0.0) if self.initial_state == "developed" else 0.0
+        return float(wall.velocity(0.0)) if self.initial_state == "developed" else 0.0
 
     @property
     def stays_steady(self) -> bool:
@@ -327,7 +327,7 @@ class Annulus(BetweenCylinders):
         ``_exact``. With polymer ``shear_stress_l2`` and ``normal_stress_l2``, relative errors of its shear stress and
         N1 in polar components.
         """
-        numbers = {"l2_pressure": field_error(self, snapshot, "pressure")}
+        numbers: dict[str, Any] = {"l2_pressure": field_error(self, snapshot, "pressure")}
         if self.polymer:
             around, exact_shear, along = self.exact_polymer_stress(snapshot.x, snapshot.y, snapshot.t)
             shear, normal = self.polymer_stress(snapshot)

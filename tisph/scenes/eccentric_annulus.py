@@ -91,7 +91,7 @@ class Scene(BetweenCylinders):
         reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
         return self.rheology is None and reynolds <= CREEPING
 
-    def stokes(self, inner: float, outer: float) -> EccentricCylinders:
+    def stokes(self, inner: Any, outer: Any) -> EccentricCylinders:
         """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
         return EccentricCylinders(self.inner_radius, self.outer_radius, self.offset, inner, outer)
 

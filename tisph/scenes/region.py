@@ -15,7 +15,7 @@ own; any other outline is one wall.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, cast
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -94,7 +94,7 @@ def _around(given: Any) -> dict[str, Body]:
             sides = {f"around_{i}": pair for i, pair in enumerate(pairs) if pair[0][1] or pair[1][1]}
             return {name: Body(Line(a, b - a, float(np.hypot(*(b - a))))) for name, (a, b) in sides.items()}
     whole = body_of_revolution(body)
-    return {"around": replace(whole, shape=replace(whole.shape, fluid_side="inside"))}
+    return {"around": replace(whole, shape=replace(cast(Any, whole.shape), fluid_side="inside"))}
 
 
 def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:

@@ -207,9 +207,9 @@ def _sample_estimate(
     ``least``: error that residuals may have, over the reference velocity.
     """
     exact = channel.exact_velocity(heights, time)
-    layers = lambda u: SimpleNamespace(t=time, u=u, reference={"u": exact})  # noqa: E731
+    layers: Any = lambda u: SimpleNamespace(t=time, u=u, reference={"u": exact})  # noqa: E731
     scale = relative_error(channel, layers(exact + channel.reference_velocity))  # L2 over rms
-    error = rms_error(channel, layers(velocity))
+    error: Any = rms_error(channel, layers(velocity))
     rms = max(error, least)
     return SampleEstimate(time, steps, rms * scale if scale and scale < RESTS else None, rms, error < least)
 

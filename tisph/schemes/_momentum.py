@@ -1,6 +1,6 @@
 """The balance of momentum along the channel: the impulses of walls and drive against the momentum of the fluid."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 EVERY_STEP_UNTIL = 64
@@ -26,7 +26,7 @@ class MomentumBalance:
         """Tell whether the forces of step number ``steps`` are to be added."""
         return steps < EVERY_STEP_UNTIL or steps % STRIDE == 0
 
-    def add(self, time: float, force: Sequence[float]) -> None:
+    def add(self, time: float, force: Iterable[float]) -> None:
         """Add the wall forces at ``time``; the first ones count from the start on."""
         before = self.force if self.force is not None else force
         self.impulse = [

@@ -349,7 +349,9 @@ def with_functions(
             f"body_force: scheme {scheme} knows no acceleration but a constant drive.acceleration in a channel without "
             "bodies; a function can be given with scheme wcsph, and with implicit in all two-dimensional flows"
         )
-    if conformation_source is not None and not (planar and scene.polymer and len(scene.rheology.laws(1.0)) == 1):
+    if conformation_source is not None and not (
+        planar and scene.polymer and scene.rheology and len(scene.rheology.laws(1.0)) == 1
+    ):
         raise ConfigError(
             "conformation_source: must be left out here; it is for two-dimensional flow of a fluid whose polymer has "
             "one relaxation time, with scheme implicit"

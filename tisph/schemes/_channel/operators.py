@@ -358,7 +358,7 @@ class ClosedParticleOperators(ClosedOperators):
         self.ghosts.prescribe(*series)
         return self.from_images(operator, self.ghosts.boundary_values())
 
-    def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
+    def boundary_stress(self, side: int, slope: Any, third: Any) -> np.ndarray:
         """Return the part of d/dy of the stress from its derivatives at a wall, see ``stress_excess``."""
         return self.from_images("d_dy", self.image_stress(side, slope, third))
 

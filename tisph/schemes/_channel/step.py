@@ -185,7 +185,7 @@ class ClosedOperators:
         """Return the part of an operator that the boundary values of the images contribute."""
         raise NotImplementedError
 
-    def boundary_stress(self, side: int, slope: float, third: float) -> np.ndarray:
+    def boundary_stress(self, side: int, slope: Any, third: Any) -> np.ndarray:
         """Return the part of D S that the images beyond the wall ``side`` contribute, see ``stress_excess``."""
         raise NotImplementedError
 

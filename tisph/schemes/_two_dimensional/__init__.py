@@ -14,7 +14,7 @@ import numpy as np
 from tisph.geometry.body import Body
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
-from tisph.schemes._protocol import SampleEstimate, Scheme
+from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
@@ -202,7 +202,7 @@ class BoundedProblem(_Problem):
         return self.n_fluid + self.walls.count
 
 
-def build(config, scene, targets, serial):
+def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the ``SplittingScheme`` of a scene."""
     from tisph.schemes._two_dimensional.scheme import SplittingScheme  # imports Taichi
 
@@ -286,7 +286,7 @@ def viscous_step(case: Any) -> float:
     return 2.0 * most / (solvent + math.sqrt(solvent**2 + 4.0 * stiffness * most))
 
 
-def estimates(config: Any, scene: Any) -> dict[str, Any]:
+def estimates(config: Any, scene: Any) -> SchemeEstimates:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
     limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene), "viscous": viscous_step(scene)}

@@ -43,7 +43,8 @@ class BodyForce:
     """
 
     def __init__(self, scene: Scene, particles: Particles, origin: Sequence[float]):
-        self.scene, self.particles, self.origin = scene, particles, np.array(origin)
+        self.particles, self.origin = particles, np.array(origin)
+        self.scene: Any = scene
         self.values, self.largest = np.zeros((particles.fluid, 2)), 0.0
         self.outlines = [(body, body.shape.boundary_points(scene.spacing).point) for body in scene.bodies]
         x = np.arange(scene.columns) * scene.spacing
@@ -213,7 +214,8 @@ class ExplicitScheme(Kept):
         scene, fluid = self.scene, self.particles.fluid
         if "pressure" not in scene.fields:
             return
-        values = scene.exact("pressure", *position.T, scene.start_time)
+        x, y = position.T
+        values = scene.exact("pressure", x, y, scene.start_time)
         scales = {"density": scene.density, "sound_speed": self.sound_speed}
         compressed = compression(self.equation_of_state, values, **scales)
         view(self.particles.compression)[:, :fluid] = view(self.particles.mid_compression)[0, :fluid] = compressed

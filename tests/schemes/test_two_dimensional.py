@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import SCATTER, VELOCITIES, SingularPaths, two_dimensional
+from inside import SCATTER, VELOCITIES, SingularPaths, step_limits
 from inside import two_dimensional_scheme as splitting_scheme
 from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
@@ -146,7 +146,7 @@ def test_a_coarse_tolerance_makes_fewer_steps_and_larger_errors():
 
 
 def test_a_flow_that_runs_away_stops_with_a_specific_message(monkeypatch):
-    monkeypatch.setattr(two_dimensional, "RUNAWAY", 0.5)
+    monkeypatch.setattr(step_limits, "RUNAWAY", 0.5)
     with pytest.raises(DivergedError, match=r"u, v: above 0\.5 times the reference velocity at step 1"):
         make(12).advance()
 

@@ -42,11 +42,12 @@ PARTS = {
     "schemes._two_dimensional": (
         "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTED guessed_steps=_guessed_steps "
         "log_conformation log_conformation_with_swirl two_dimensional_scheme=scheme "
-        "viscoelastic_stress wall_points FIRST TOLERANCE two_dimensional_step_control=step_control"
+        "step_limits viscoelastic_stress wall_points"
     ),
     "schemes._two_dimensional.corner_singularities": "CornerSingularities FAR STEEPEST SingularPaths",
     "schemes._two_dimensional.free_bodies": "Contact RESIDUAL",
     "schemes._two_dimensional.scheme": "COURANT SplittingScheme",
+    "schemes._two_dimensional.step_limits": "FIRST TOLERANCE two_dimensional_step_control=step_control",
     "schemes._two_dimensional.time_levels": "TimeWeights VELOCITIES",
     "schemes._two_dimensional.wall_boundary": "scatter",
     "schemes._two_dimensional.wall_points": "WallPoints WallsOfRevolution",

@@ -3,7 +3,6 @@
 The problem that the scheme solves is a box, a fluid, scales, and the walls in it.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,49 +14,9 @@ from tisph.geometry.body import Body
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
-from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
+from tisph.schemes._two_dimensional.step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
-
-TOLERANCE = 2e-6
-"""Error of a step over the velocity."""
-
-SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
-"""Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
-the present velocities. The second is the smaller one, so that errors of a flow that decays stay relative for longer."""
-
-RUNAWAY = 1e3
-"""Largest velocity over the reference velocity. Bodies that close a gap press some tens of times theirs out of it."""
-
-LEAST_GRADIENT = 100 * TOLERANCE
-"""Difference of velocities within a spacing, over the largest velocity, that a divergence is compared with at least.
-One that counts as resolved (1 % of that) then alters them by less than the error of a step."""
-
-FIRST = 0.02
-"""The first step, which is of first order, over the longest step that the Courant number allows."""
-
-PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
-"""Residuals of the linear systems: over the tolerance of a step, and the least one. Residuals of the velocities add up
-from step to step; with 5 times the residual of the pressure, forces on bodies have errors of 1e-4. With the least ones
-always, 25 across between cylinders, velocities differ by 3 % of their errors (accuracy ``balanced``) and 0.1 %
-(``fast``)."""
-
-ROUNDING = 30.0
-"""The least residual that is asked for, in units of the rounding error."""
-
-DECAY = 0.3, 10.0
-"""Where steps are short divergence decays at the rate 0.3 nu/spacing^2 + 10 U/spacing. A larger second number moves
-errors from the velocities to the pressure, a smaller one the other way: in the vortex at Re = 100, 50 x 50, a Courant
-number of 0.15 and t = 1 they are 2.7e-5 and 7.0e-5 with 4, 1.9e-5 and 8.5e-5 with 10. With 12 the noise of a divergence
-that has to vanish at once makes coarse runs take shorter steps."""
-
-MOST_VISCOUS = 5.0
-"""Viscous number nu h/spacing^2 of the longest step between walls. Up to 6 divergence decays at the rate above whatever
-the step, beyond it the divergence that there is grows with the step: every change of the step would change velocities
-by more than the tolerance, and be refused. Steps are stable to 400 and more; flow rates of cylinders in slow flow, 20
-spacings across, have errors of 3e-4 with 10 and of 1e-3 with 400."""
-
-LEADING = 11 / 6
-"""Factor gamma_0 of the newest value in backward differences of third order over steps of one length."""
 
 CROWDING = 1.6
 """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
@@ -234,56 +193,6 @@ def _steps(config: Any) -> tuple[float | None, float]:
         return None, config.scheme.largest_courant
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
     return tolerance, config.scheme.largest_courant
-
-
-def courant_speed(fastest: float, case: Any) -> float:
-    """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
-    part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # a velocity around the axis moves no particle
-    return max(fastest, part * case.reference_velocity)
-
-
-def error_speed(fastest: float, case: Any) -> float:
-    """Return the velocity that errors of steps are divided by."""
-    return max(fastest, SMALLEST_SCALE * case.reference_velocity)
-
-
-def decay_rate(viscosity: float, speed: float, spacing: float) -> float:
-    """Return the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md."""
-    return DECAY[0] * viscosity / spacing**2 + DECAY[1] * speed / spacing
-
-
-def residuals(tolerance: float, least: float) -> list[float]:
-    """Return the residuals of pressure and velocities for the ``tolerance`` of a step."""
-    return [max(part * tolerance, lowest, least) for part, lowest in (PRESSURE_RESIDUAL, VELOCITY_RESIDUAL)]
-
-
-def step_control(case: Any, targets: Sequence[float], tolerance: float | None, courant: float) -> StepControl:
-    """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
-
-    ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
-    the largest velocity.
-    """
-    viscous = viscous_step(case)
-    limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
-    control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
-    control.set_targets(targets, case.start_time)
-    return control
-
-
-def viscous_step(case: Any) -> float:
-    """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
-
-    Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over
-    ``LEADING``.
-    """
-    if not (case.bodies or case.rheology):
-        return math.inf
-    most, viscosity = MOST_VISCOUS * case.spacing**2, case.kinematic_viscosity
-    if case.rheology is None or not case.rheology.carries_stress:
-        return most / viscosity
-    stiffness = sum(law.modulus for law in case.rheology.laws(viscosity)) / LEADING
-    solvent = case.rheology.solvent_fraction * viscosity
-    return 2.0 * most / (solvent + math.sqrt(solvent**2 + 4.0 * stiffness * most))
 
 
 def estimates(config: Any, scene: Any) -> SchemeEstimates:

@@ -16,9 +16,9 @@ from tisph.least_squares import SKIN
 from tisph.least_squares.operators import AxisymmetricOperators, LeastSquaresOperators
 from tisph.neighbours.point_cloud import PointCloud, active
 from tisph.runtime import integer, real, ti, view
-from tisph.schemes import _two_dimensional as limits
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._shifting import TRAVEL, FickianShifting
+from tisph.schemes._two_dimensional import step_limits as limits
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.free_bodies import FreeBodyCoupling, FreeWallBoundary
 from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress

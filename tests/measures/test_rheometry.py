@@ -373,7 +373,7 @@ def test_the_law_alone_has_the_wall_motion_in_the_whole_gap():
     grown = 0.9 * 3.0 * -np.expm1(-0.1)  # of the rate 3 in the time 0.2
     modulus = grown * np.exp(-(6.0 - 0.2) / 2.0) / 0.6
     assert reading.numbers["modulus_at_the_end_without_inertia"] == pytest.approx(modulus, rel=1e-8)
-    assert "  inertia makes less than 1% from t = 0.2 on" in reading.lines
+    assert "  inertia changes it by less than 1% from t = 0.2 on" in reading.lines
 
 
 @pytest.mark.parametrize(

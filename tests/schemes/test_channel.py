@@ -138,7 +138,7 @@ def test_particles_around_a_place_are_those_of_a_snapshot_there(make):
     scheme = make(jitter=0.2)
     for _ in range(3):
         scheme.advance()
-    times = scheme.time - np.array([0.75, 0.25, 0.0]) * scheme.dense.dt
+    times = scheme.time - np.array([0.75, 0.25, 0.0]) * scheme.particles.dt
     x, length = np.array([0.3, 0.6, 0.0]), scheme.channel.length
     when, place, y, u = scheme.around(times, x, 0.1)
     for index, t in enumerate(times):
@@ -196,10 +196,10 @@ def test_a_restart_gives_the_bits_of_going_on(make, tmp_path, overrides):
 @pytest.mark.parametrize(("jitter", "identical"), [(0.0, True), (1e-6, False)])
 def test_layers_solve_the_systems_on_a_sheared_lattice_particles_off_it(make, jitter, identical):
     scheme = make(f"initial.jitter={jitter}", "time.end=1.0")
-    solve, counts = scheme.solver.solve, []
-    scheme.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.solver.iterations))[0]
+    solve, counts = scheme.closed.solver.solve, []
+    scheme.closed.solver.solve = lambda *numbers: (solve(*numbers), counts.append(scheme.closed.solver.iterations))[0]
     run(scheme)
-    assert scheme.solver.coarse.layers_identical == identical
+    assert scheme.closed.solver.coarse.layers_identical == identical
     assert (max(counts) == 0) == identical  # to rounding of the operators, over a tolerance of 1e-7 of the right side
 
 
@@ -217,7 +217,7 @@ def test_no_volume_is_counted_before_derivatives_mean_something(make):
 @pytest.mark.parametrize("order", [2, 4])
 def test_clustered_particles_stop_the_run(make, order):
     scheme = make(f"scheme={{type: implicit, operators: {{order: {order}}}}}")
-    position = active(scheme.motion.position)
+    position = active(scheme.particles.position)
     angle = np.linspace(0, 2 * np.pi, 70, endpoint=False)
     # 70 particles within a fifth of a spacing: more than a row has room for at either order
     position[:70] = 0.5 + 0.1 * scheme.channel.spacing * np.stack([np.cos(angle), np.sin(angle)], 1)
@@ -232,7 +232,7 @@ def test_a_period_of_less_than_three_cells_is_refused(make):
 
 
 def test_a_vanishing_matrix_is_solved_at_once(make):
-    solver = make("scheme={type: implicit}").solver
+    solver = make("scheme={type: implicit}").closed.solver
     right = np.random.default_rng(1).normal(size=solver.points.fluid)
     view(solver.b)[: right.size] = right
     view(solver.x)[...] = 0.0

@@ -90,8 +90,8 @@ SWINGING, STILL = WallMotion(1.0, 0.5, FREQUENCY), WallMotion(0.0)
 
 
 def channel():
-    numbers = {"kinematic_viscosity": NU, "acceleration": 0.0, "start_time": 0.0, "starts_developed": False}
-    return SimpleNamespace(bottom=SWINGING, top=STILL, wall_jumps=(1.0, 0.0), **numbers)
+    numbers = {"kinematic_viscosity": NU, "solvent_viscosity": NU, "acceleration": 0.0, "start_time": 0.0}
+    return SimpleNamespace(bottom=SWINGING, top=STILL, wall_jumps=(1.0, 0.0), starts_developed=False, **numbers)
 
 
 def even_part(depth):

@@ -201,7 +201,7 @@ def apart(found, expected):
 def test_layers_meet_the_reference(driven, overrides, bound):
     settings, channel = driven(*overrides)
     found = layers(settings, channel)
-    wall, end = found.walls.stress_controlled, settings.time.end
+    wall, end = found.walls.stress_controlled[0], settings.time.end
     assert apart(found.velocity, channel.exact_velocity(found.heights, end)) < bound
     nodes, weights = np.polynomial.legendre.leggauss(24)
     halves = [0.25 * end * (nodes + 1.0), 0.25 * end * (nodes + 3.0)]  # the stress jumps in the middle, or not
@@ -238,9 +238,9 @@ def test_images_in_a_massless_wall_use_its_curvature_others_the_slope(driven):
 
 def test_the_shear_rate_of_a_shear_thinning_fluid_follows_the_stress(driven):
     thins = "fluid.rheology={type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1e-3}"
-    wall = layers(*driven(thins, "time.end=0.1")).walls.stress_controlled
+    wall = layers(*driven(thins, "time.end=0.1")).walls.stress_controlled[0]
     moment = SimpleNamespace(stress=lambda t: 1.0 + 2.0 * t)
-    wall.control = SimpleNamespace(after=lambda t: moment, stress_rate=lambda t: 2.0)
+    wall.control = SimpleNamespace(after=lambda t: moment, slope=lambda t: 2.0)
     wall.jump(0.5)
     rate, step = wall.rate, 1e-5
     # stresses are over the density: half the root of the rate is 2 there, and grows by 2 in a unit of time

@@ -70,7 +70,7 @@ def test_an_impulse_changes_the_stress_with_the_velocity(case):
     # linear in velocity and shear stress: a wall that stops is the difference of two that start
     plane = Plane(1.0, 0.5, 0.2, 1.0)
     since_start, since_stop = (plane.fields(found.heights, t, top=1.0) for t in (0.3, 0.1))
-    stress = found.stages.model.shear_stress(found.flow.state, None)
+    stress = found.walls.model.shear_stress(found.flow.state, None)
     for mine, part in ((found.velocity, 0), (stress, 2)):
         wrong = np.linalg.norm(mine - (since_start - since_stop)[part])
         assert wrong < 1e-2 * np.linalg.norm(since_start[part])  # of 12 layers; measured: 2.7e-3, 6.4e-3

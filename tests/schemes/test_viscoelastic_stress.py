@@ -305,7 +305,7 @@ def test_a_divergence_stretches_no_polymer():
     scheme, places = SplittingScheme(flow, [END], True), vortices.arrangement(12, 0.2)
     scheme.start(places, np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     scheme.advance()
-    polymer, found = scheme.polymer, []
+    polymer, found = scheme.extra_stress, []
     gradients = np.random.default_rng(0).normal(size=(4, 144))
     gradients[3] = -gradients[0]
     for divergence in (0.0, 0.7):

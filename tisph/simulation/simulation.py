@@ -391,7 +391,7 @@ def with_functions(
             given["peak_velocity"] = max(scene.peak_velocity, float(np.hypot(u, v).max()))
     kind: Any = new_class(type(scene).__name__, (type(scene),), exec_body=lambda members: members.update(given))
     changed = kind.__new__(kind)
-    vars(changed).update(vars(scene))
+    vars(changed).update({name: value for name, value in vars(scene).items() if name not in given})
     return changed
 
 

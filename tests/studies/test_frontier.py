@@ -286,27 +286,27 @@ def round_of(loop_seconds):
 
 
 def test_every_run_is_asked_for_once_and_kept(tmp_path, scripts):
-    first = frontier.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
+    first = frontier.measure_peers(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert set(first) == set(QUICK_RUNS)
     assert sorted(calls(tmp_path)) == sorted(" ".join(run.words) for run in QUICK_RUNS)
-    assert frontier.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS) == first
+    assert frontier.measure_peers(scripts, tmp_path / "kept", 0, QUICK_RUNS) == first
     assert len(calls(tmp_path)) == len(QUICK_RUNS)
-    frontier.measure(scripts, tmp_path / "kept", 1, QUICK_RUNS)
+    frontier.measure_peers(scripts, tmp_path / "kept", 1, QUICK_RUNS)
     assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
 
 
 def test_results_older_than_a_script_are_made_again(tmp_path, scripts):
-    frontier.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
+    frontier.measure_peers(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     for path in (tmp_path / "kept").iterdir():
         os.utime(path, (0, 0))
-    frontier.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
+    frontier.measure_peers(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert len(calls(tmp_path)) == 2 * len(QUICK_RUNS)
 
 
 def test_a_peer_that_fails_is_named_with_its_message_and_leaves_nothing(tmp_path, scripts):
     (scripts / "measure.py").write_text("import sys; sys.exit('Lost atoms')")
     with pytest.raises(TisphError, match=r"--code lammps.*Lost atoms"):
-        frontier.measure(scripts, tmp_path / "kept", 0, QUICK_RUNS)
+        frontier.measure_peers(scripts, tmp_path / "kept", 0, QUICK_RUNS)
     assert list((tmp_path / "kept").iterdir()) == []
 
 

@@ -298,8 +298,7 @@ class CornerSingularities(Corners):
         return velocity - self.wall_velocity
 
     def add_traction(self, tractions: np.ndarray, normal: np.ndarray) -> np.ndarray:
-        """Add the tractions of U and P to ``tractions`` (2, count, 2) of viscosity and pressure at walls; return
-        them."""
+        """Add the tractions of U and P to ``tractions`` (2, count, 2) at walls, in place, and return them."""
         if self.wall_traction is None:
             self.wall_traction = self.traction(self._wall_position, normal, self.problem.kinematic_viscosity)
         tractions += self.wall_traction

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from tisph.runtime import ti
+from tisph.schemes._two_dimensional.corner_singularities import Corners
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 
 MOST_ITERATIONS = 20
@@ -91,7 +92,7 @@ class ExtraStress:
 class Boundary:
     """The walls of the fluid, whose points are ``slots`` of all points; here none (periodic box).
 
-    ``velocity`` (count, components): velocities of the walls at the points.
+    ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
     """
 
     bounded = False
@@ -102,6 +103,7 @@ class Boundary:
         self.problem, self.levels = problem, levels
         self.slots = slice(problem.n_fluid, problem.particles)
         self.velocity = np.zeros((0, levels.components))
+        self.corners = Corners()
 
     @ti.func
     def retained(self, i, retained, gamma0):
@@ -127,9 +129,6 @@ class Boundary:
     def solver_velocity(self) -> np.ndarray:
         """Return the velocities (count, components) that the solver has at the points on walls."""
         return self.velocity
-
-    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
-        """Add the force of the known flow in singular corners to the ``forcing`` field of a step ``dt``."""
 
     def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
         """Set the right-hand side of the pressure at walls, equation (8), for the present forcing and velocity."""
@@ -163,21 +162,6 @@ class Boundary:
 
     def measure_loads(self, time: float) -> None:
         """Store the loads of the newest fields, at ``time``."""
-
-    def find_fastest(self) -> None:
-        """Replace the fastest velocity of the levels by that with the known flow in singular corners."""
-
-    def whole_flow(
-        self,
-        weights: TimeWeights,
-        offset: float,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        pressure: np.ndarray,
-        created: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return position, velocity and pressure (n, ...) with the known flow in singular corners."""
-        return position, velocity, pressure
 
     def bodies(self, time: float, weights: TimeWeights, offset: float) -> "Bodies | None":
         """Return the bodies at ``time``, an ``offset`` before the end of the last step."""

@@ -151,7 +151,7 @@ class SplittingScheme(ControlledScheme):
         viscosity = self.problem.solvent_viscosity
         self.require_solution(self.equations.begin(viscosity, residual, forced, self.couplings))
         self.boundary.measure_loads(self.time)
-        self.boundary.find_fastest()
+        self.boundary.corners.find_fastest()
         self.begin_steps()
 
     @property
@@ -225,7 +225,7 @@ class SplittingScheme(ControlledScheme):
         self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
         boundary.begin_step(weights)
-        boundary.add_force(equations.forcing, weights, dt)
+        boundary.corners.add_force(equations.forcing, weights, dt)
 
         decay = limits.decay_rate(viscosity, self.speed, self.problem.spacing)
         retained = max(0.0, gamma0 - decay * dt)
@@ -296,7 +296,7 @@ class SplittingScheme(ControlledScheme):
         self.shift.shift(self.steps == 0 and not self.boundary.bounded, min(1.0, travelled / TRAVEL))
         levels.remap()
         self.extra_stress.remap()
-        self.boundary.find_fastest()
+        self.boundary.corners.find_fastest()
         if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = "a reference.velocity, if the body force drives it, else " if self.problem.body_force else ""
@@ -334,7 +334,9 @@ class SplittingScheme(ControlledScheme):
             pressure = fields[:, first:] @ weights.interpolation(offset, PRESSURES)
             if problem.axisymmetric:  # around the axis the circulation is interpolated
                 velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
-        position, velocity, pressure = boundary.whole_flow(weights, offset, position, velocity, pressure, created)
+        position, velocity, pressure = boundary.corners.whole_flow(
+            weights, offset, position, velocity, pressure, created
+        )
         stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
         return Snapshot(
             t=time,

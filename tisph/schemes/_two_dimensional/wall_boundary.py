@@ -151,7 +151,8 @@ class WallBoundary(Boundary):
         self.walls, self.support, self.points = problem.walls, support, levels.points
         self.shift, self.grid = shift, grid
         self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress
-        self.corners = CornerSingularities(problem, levels) if problem.corners else Corners()
+        if problem.corners:
+            self.corners = CornerSingularities(problem, levels)
         self.loads = WallLoads(problem, levels, self.corners)
         self.normal_curls: list[np.ndarray] = []
         self.normals, self.velocity = np.empty((0, 2)), np.empty((0, 2))
@@ -281,10 +282,6 @@ class WallBoundary(Boundary):
         """Return the velocities (count, components) of the points without the known flow in corners."""
         return self.corners.at_walls_without(self.velocity)
 
-    def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
-        """Add the force of the known flow in singular corners to the ``forcing`` of a step ``dt``."""
-        self.corners.add_force(forcing, weights, dt)
-
     @property
     def present_curls(self) -> np.ndarray:
         """Values n . curl omega (count,) of the pressure's equation at the points, in place."""
@@ -308,22 +305,6 @@ class WallBoundary(Boundary):
     def measure_loads(self, time: float) -> None:
         """Store the loads of the newest fields, at ``time``."""
         self.loads.measure(time, self.normals, self.velocity, self.extra_stress.wall_stress())
-
-    def find_fastest(self) -> None:
-        """Replace the fastest velocity of the levels by that with the known flow in singular corners."""
-        self.corners.find_fastest()
-
-    def whole_flow(
-        self,
-        weights: TimeWeights,
-        offset: float,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        pressure: np.ndarray,
-        created: np.ndarray,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return position, velocity and pressure (n, ...) with the known flow in singular corners."""
-        return self.corners.whole_flow(weights, offset, position, velocity, pressure, created)
 
     def bodies(self, time: float, weights: TimeWeights, offset: float) -> Bodies:
         """Return the bodies at ``time``, an ``offset`` before the end of the last step."""

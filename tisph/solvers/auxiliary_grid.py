@@ -159,6 +159,9 @@ EMPTY = 1e-3
 FLOATING = 1e-8
 """Part of the largest entry on the diagonal that is added to it, since a constant is no part of the solution."""
 
+NEAREST = 0.1
+"""Least distance of a node from a wall beside it, over the distance of nodes, for the velocities."""
+
 STIFFNESS, MASS = np.array([[1.0, -1.0], [-1.0, 1.0]]), np.array([[2.0, 1.0], [1.0, 2.0]]) / 6.0
 """Matrices of a linear element of length 1; their products along x and y are the matrices of a bilinear element."""
 
@@ -206,6 +209,7 @@ class WalledGrid(AuxiliaryGrid):
             area, volume = (np.bincount(corners.ravel(), np.tile(each, 4)) for each in (part, volumes))
             matrix = (diags(np.divide(area, volume, out=np.zeros_like(area), where=volume > 0.0)) @ matrix).tocsc()
         diagonal = matrix.diagonal()
+        self.node_distance = distance(np.stack([column * width, row * height], axis=1))
         self.active = np.flatnonzero(diagonal > EMPTY * diagonal.max())
         floating = FLOATING * diagonal.max() * identity(len(self.active), format="csc")
         self.factors = splu(matrix[self.active][:, self.active] + floating)
@@ -216,3 +220,66 @@ class WalledGrid(AuxiliaryGrid):
         found = self.factors.solve(values[self.active].astype(float) / coefficient)
         values[...] = 0.0
         values[self.active] = found
+
+    def invert_pressure(self, values: np.ndarray) -> np.ndarray:
+        """Return (-Laplacian)^-1 of ``values`` (nodes,)."""
+        result = np.zeros_like(values)
+        result[self.active] = self.factors.solve(values[self.active])
+        return result
+
+    def interpolation(self, points: int) -> Any:
+        """Return the sparse matrix (points, nodes) that interpolates to the points, as ``interpolate`` does."""
+        from scipy.sparse import csr_matrix
+
+        rows, columns = self.shape
+        row, column = np.divmod(view(self.cell)[:points], columns)
+        x, y = view(self.offset)[:points].T.astype(float)
+        corners = [(up, right) for up in (0, 1) for right in (0, 1)]
+        nodes = [(row + up) % rows * columns + (column + right) % columns for up, right in corners]
+        weights = [(y if up else 1.0 - y) * (x if right else 1.0 - x) for up, right in corners]
+        begins = np.arange(points + 1) * len(corners)
+        entries = np.stack(weights, axis=1).ravel(), np.stack(nodes, axis=1).ravel(), begins
+        return csr_matrix(entries, (points, rows * columns))
+
+    def factorise_velocities(self, sigma: float, viscosity: np.ndarray, components: int) -> None:
+        """Factorise ``sigma`` - ``viscosity`` (nodes,) Laplacian for fields that are 0 on walls.
+
+        It is the Laplacian of the differences between nodes; where a wall is between two of them the difference is to
+        it (G. H. Shortley, R. Weller, J. Appl. Phys. 9 (1938) 334-348). In axisymmetric flow all components but the
+        first are over r, and have the Laplacian (1/r^3) d(r^3 d/dr)/dr.
+        """
+        self.powers = [1, 3, 3][:components] if self.box.axisymmetric else [0] * components
+        self.inside = np.flatnonzero(self.node_distance > 0.0)
+        self.velocity_factors = {power: self.factors_of(sigma, viscosity, power) for power in set(self.powers)}
+
+    def factors_of(self, sigma: float, viscosity: np.ndarray, power: int) -> Any:
+        """Return the factors of the matrix with r^``power`` in its Laplacian."""
+        from scipy.sparse import coo_matrix, diags
+        from scipy.sparse.linalg import splu
+
+        rows, columns = self.shape
+        width, height = self.box.length / columns, self.box.height / rows
+        inside, number = self.inside, np.full(rows * columns, -1)
+        number[inside] = np.arange(len(inside))
+        row, column = np.divmod(inside, columns)
+        lower, upper = (np.maximum(row * height + self.box.origin[1] + side * height, 0.0) for side in (-0.5, 0.5))
+        volume = (upper ** (power + 1) - lower ** (power + 1)) / ((power + 1) * height) if power else np.ones(len(row))
+        diagonal, entries = np.full(len(inside), float(sigma)), []
+        sides = ((0, 1, width, volume), (0, -1, width, volume), (1, 0, height, upper**power), (-1, 0, height, lower**power))
+        for up, right, apart, face in sides:
+            other = (row + up) % rows * columns + (column + right) % columns
+            here, there = self.node_distance[inside], self.node_distance[other]
+            part = np.where(there > 0.0, 1.0, np.maximum(here / np.maximum(here - there, 1e-300), NEAREST))
+            factor = viscosity[inside] * face / (volume * apart**2 * part)
+            diagonal += factor
+            linked = np.flatnonzero(there > 0.0)
+            entries.append((-factor[linked], linked, number[other[linked]]))
+        values, here, there = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        return splu((coo_matrix((values, (here, there)), 2 * (len(inside),)) + diags(diagonal)).tocsc())
+
+    def invert_velocities(self, values: np.ndarray) -> np.ndarray:
+        """Return the solutions for ``values`` (nodes, components)."""
+        result = np.zeros_like(values)
+        for component, power in enumerate(self.powers):
+            result[self.inside, component] = self.velocity_factors[power].solve(values[self.inside, component])
+        return result

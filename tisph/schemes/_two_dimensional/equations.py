@@ -20,6 +20,7 @@ from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
 from tisph.solvers.bicgstab import BiCGStab, TwoLevel
+from tisph.solvers.stokes import StokesSolver
 
 ROUGH = 1.0
 """Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
@@ -47,6 +48,7 @@ class Equations:
         self.velocity = BiCGStab(extra_stress.operators, width=components, hoop=self.coordinates.axisymmetric)
         self.for_pressure = TwoLevel(self.pressure, grid, boundary.bounded)
         self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
+        self.together = StokesSolver(self.operators, grid, components, self.spacing) if boundary.bounded else None
         self.forcing, self.extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -82,6 +84,23 @@ class Equations:
         preconditioner = self.for_velocity if diffusion > ROUGH * gamma0 * self.spacing**2 else None
         solved = self.velocity.solve(diffusion, tolerance, gamma0, preconditioner)
         self.iterations[1] += self.velocity.iterations
+        return solved
+
+    def solve_together(self, dt: float, viscosity: float, gamma0: float, tolerance: float) -> bool:
+        """Solve for pressure, velocities and free bodies at once, equations (9) to (12); return whether it was solved.
+
+        ``tolerance``: root mean square error of the velocities.
+        """
+        together, n, fluid = self.together, int(view(self.points.particles)), int(view(self.points.n_fluid))
+        together.assemble(self.boundary.rows())
+        velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
+        force = view(self.forcing)[:n] / dt + view(self.acceleration)
+        local = self.extra_stress.local_viscosities(viscosity, n)
+        divergence, bodies = view(self.levels.divergence)[:fluid], self.boundary.carried(dt, gamma0)
+        solved, found = together.solve(velocity, pressure, force, divergence, gamma0 / dt, local, bodies, tolerance)
+        view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
+        self.boundary.carry(found)
+        self.iterations[0] += together.iterations
         return solved
 
     def error(self) -> float:

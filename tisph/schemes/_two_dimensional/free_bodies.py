@@ -40,6 +40,7 @@ from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 from tisph.snapshot import Bodies
+from tisph.solvers.stokes import CarriedBodies
 
 Pair = tuple[int, int]
 """Numbers of two bodies."""
@@ -66,6 +67,10 @@ the gradient of a pressure that is to remove it has the opposite divergence."""
 
 RESIDUAL = 0.3
 """Change of the velocities of bodies up to which they have converged, over the tolerance of a step."""
+
+
+THICKEST = 5.0
+"""Radii to which a viscous layer grows at most, where walls or other bodies are."""
 
 
 class Contact:
@@ -232,8 +237,19 @@ class FreeBodies:
         self.extrapolated = np.array([motion.extrapolated(time) for motion in self.motions])
         loads, self.touching, self.gaps = self.contact.loads(time)
         self.pushes = loads[self.index, :3] / self.density
-        self.begin(self.extrapolated, self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
+        self.begin(self.extrapolated.copy(), self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
+        self.time = time
         self.attempt()
+
+    def unknowns(self, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return M sigma, all forces but the fluid's with the known part of the momentum, and J/dt, (n, 3) each.
+
+        In J the layer is at most ``THICKEST`` radii deep.
+        """
+        load = self.load + self.pushes + self.mass * self.known / dt
+        inertia = self.mass * self.gamma0 / dt
+        duration = min(dt / self.gamma0, (THICKEST * self.radius.min()) ** 2 / self.viscosity)
+        return inertia, load, inertia + self.added_mass(duration) / duration
 
     @property
     def depth(self) -> int:
@@ -368,6 +384,31 @@ class FreeWallBoundary(WallBoundary):
     def accelerate(self, acceleration: float) -> None:
         """Change the body force along x, and with it the buoyancy of the bodies."""
         self.free.accelerate(acceleration)
+
+    def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the parts (count,) and (fluid,) of equations that hold where gaps close."""
+        closed = view(self.closes)[: self.problem.n_fluid] > 0
+        return 1.0 - view(self.continued)[self.slots].astype(float), np.where(closed, 0.0, 1.0)
+
+    def carried(self, dt: float, gamma0: float) -> CarriedBodies:
+        """Return the bodies whose velocities are unknowns of a step: the free ones, but for what is held."""
+        free, walls = self.free, self.walls
+        moves = free.moves.ravel()
+        motion = walls.rigid_motion(free.index, free.time)[:, moves]
+        now = free.velocities.ravel()[moves]
+        given = self.velocity - (motion @ now).reshape(self.velocity.shape)
+        none = np.zeros(walls.count)
+        stress = self.extra_stress.implicit_wall_stress(0.0 * self.loads.strain(self.velocity))
+        tractions = self.loads.tractions(none, self.normals, 0.0 * self.loads.strain(self.velocity), stress)[0]
+        inertia, load, response = (each.ravel()[moves] for each in free.unknowns(dt))
+        arm, areas = free.arm.ravel()[moves], walls.areas(free.time)
+        return CarriedBodies(given, motion, areas, tractions, inertia, load, now, arm, response)
+
+    def carry(self, velocities: np.ndarray) -> None:
+        """Give the bodies their ``velocities`` (m,) at the end of a step."""
+        self.free.velocities[self.free.moves] = velocities
+        self.free.attempt()
+        self.take_velocities(self.free.time)
 
     def take_velocities(self, time: float) -> None:
         """Give the points the present velocities of the bodies at ``time``."""

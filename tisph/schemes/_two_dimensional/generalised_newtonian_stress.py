@@ -167,6 +167,10 @@ class GeneralisedNewtonianStress(ExtraStress):
         """Return nu* at a point, in place of the constant ``viscosity`` of a step."""
         return self.implicit_viscosity(i)
 
+    def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
+        """Return nu* (points,), in place of the constant ``viscosity`` of a step."""
+        return view(self.derived)[:points, self.numbers - 1].astype(float)
+
     @ti.func
     def with_viscous_divergence(self, i, divergence):
         """Return a ``divergence`` plus the divergence of the implicit viscous term, dt grad nu* . lap u."""

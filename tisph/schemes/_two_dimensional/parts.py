@@ -51,6 +51,10 @@ class ExtraStress:
         """Return a ``divergence`` plus the divergence of the viscous term, 0 for a constant viscosity."""
         return divergence
 
+    def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
+        """Return the viscosities (points,) of the implicit part of the stress: the constant ``viscosity`` of the step."""
+        return np.full(points, viscosity)
+
     def begin(self) -> None:
         """Compute the stress of the first velocities."""
 

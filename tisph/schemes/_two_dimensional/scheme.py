@@ -59,6 +59,9 @@ between cylinders are the same to four digits. With couplings, which use the loa
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
+TOGETHER = 0.01
+"""Error of their solution over the error of a step."""
+
 REORDER_INTERVAL = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
 mixed 1e5 of them a step takes 1.7 times as long without."""
@@ -107,6 +110,7 @@ class SplittingScheme(ControlledScheme):
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress)
+        self.slow = limits.is_slow(problem, courant)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
         self.residuals = limits.residuals(self.tolerance, rounding)
@@ -230,7 +234,7 @@ class SplittingScheme(ControlledScheme):
         decay = limits.decay_rate(viscosity, self.speed, self.problem.spacing)
         retained = max(0.0, gamma0 - decay * dt)
         forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
-        least = 2 if boundary.bounded or extra_stress.nonlinear else 1
+        least = 2 if boundary.bounded and not self.slow or extra_stress.nonlinear else 1
         curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
         rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
         solved = True
@@ -241,11 +245,14 @@ class SplittingScheme(ControlledScheme):
                 equations.set_divergence(dt, retained, gamma0)
             if outer > 0 and curls_vary:
                 boundary.update_normal_curls(equations.velocity.x)
-            boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
-            exact = self.couplings or outer >= least - 1
-            residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
-            solved = equations.solve_pressure(residuals[0], rounding) and solved
-            solved = equations.solve_velocity(dt, viscosity, gamma0, residuals[1]) and solved
+            if self.slow:
+                solved = equations.solve_together(dt, viscosity, gamma0, TOGETHER * self.tolerance * self.error_speed)
+            else:
+                boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
+                exact = self.couplings or outer >= least - 1
+                residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
+                solved = equations.solve_pressure(residuals[0], rounding) and solved
+                solved = equations.solve_velocity(dt, viscosity, gamma0, residuals[1]) and solved
             settled = all([coupling.correct(equations) for coupling in self.couplings])
             if settled and outer >= least - 1:
                 break

@@ -75,11 +75,16 @@ def step_control(case: Any, targets: Sequence[float], tolerance: float | None, c
     ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
     the largest velocity.
     """
-    viscous = viscous_step(case)
+    viscous = math.inf if is_slow(case, courant) else viscous_step(case)
     limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
     control = StepControl(tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times)
     control.set_targets(targets, case.start_time)
     return control
+
+
+def is_slow(case: Any, courant: float) -> bool:
+    """Return whether steps of this Courant number are too long for the splitting: walls and a large viscosity."""
+    return bool(case.bodies) and courant * case.spacing / case.reference_velocity > viscous_step(case)
 
 
 def viscous_step(case: Any) -> float:

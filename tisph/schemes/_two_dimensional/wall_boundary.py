@@ -28,6 +28,7 @@ from tisph.schemes._two_dimensional.parts import Boundary, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
+from tisph.solvers.stokes import CarriedBodies, WallRows
 
 LOAD_STEPS = 12
 """Last steps whose forces count."""
@@ -291,6 +292,23 @@ class WallBoundary(Boundary):
         """Set the right-hand side of the pressure at the points, equation (8), for the present forcing and velocity."""
         fields = equations.pressure.b, equations.forcing, equations.velocity.x, equations.acceleration
         self.set_normal_momentum(*fields, dt, gamma0, viscosity)
+
+    def rows(self) -> WallRows:
+        """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
+        weight = view(self.weight)[self.slots].astype(float)
+        return WallRows(self.normals, weight, *self.open_parts(), self.walls.strain)
+
+    def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the parts (count,) and (fluid,) of equations that hold: 1, where gaps hold particles."""
+        return np.ones(self.walls.count), np.ones(self.problem.n_fluid)
+
+    def carried(self, dt: float, gamma0: float) -> CarriedBodies:
+        """Return the bodies whose velocities are unknowns of a step: none."""
+        none, given = np.empty(0), self.solver_velocity().astype(float)
+        return CarriedBodies(given, np.empty((given.size, 0)), given, given, none, none, none, none, none)
+
+    def carry(self, velocities: np.ndarray) -> None:
+        """Give the bodies their ``velocities`` (m,) at the end of a step."""
 
     def store_normal_curls(self) -> None:
         """Store the curl of the vorticity at the points as the newest level."""

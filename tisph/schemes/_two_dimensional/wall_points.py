@@ -147,6 +147,23 @@ class WallPoints:
             result[:, number, 3] = 0.5 * (along + across).sum(axis=1)
         return result
 
+    def rigid_motion(self, chosen: Sequence[int], time: float) -> Any:
+        """Return the velocities (count * 2, 3 n) of the points by the velocities of n ``chosen`` bodies, sparse."""
+        from scipy.sparse import lil_matrix
+
+        result, boundaries = lil_matrix((2 * self.count, 3 * len(chosen))), self._placed(time)
+        for place, number in enumerate(chosen):
+            part, arm = self.parts[number], boundaries[number].point - self.bodies[number].at(time).centre
+            rows = 2 * np.arange(part.start, part.stop)
+            result[rows, 3 * place] = 1.0
+            result[rows + 1, 3 * place + 1] = 1.0
+            result[rows, 3 * place + 2], result[rows + 1, 3 * place + 2] = -arm[:, 1], arm[:, 0]
+        return result.tocsr()
+
+    def areas(self, time: float) -> np.ndarray:
+        """Return the factors (count, 2) of tractions in the forces on bodies by ``rigid_motion``."""
+        return np.stack([self.length, self.length], axis=1)
+
     def moments(self, time: float) -> np.ndarray:
         """Return the integrals (bodies,) of the squared distance from each body's centre along its surface."""
         return np.array(
@@ -295,6 +312,21 @@ class WallsOfRevolution(WallPoints):
             result[:, number, 0] = force[:, part, 0].sum(axis=1)
             result[:, number, 2] = (radius[part, None] * force[:, part, 2:]).sum(axis=(1, 2))
         return result
+
+    def rigid_motion(self, chosen: Sequence[int], time: float) -> Any:
+        """Return u, v/r and w/r (count * 3, 3 n) of the points by the velocities of n bodies, which move along x."""
+        from scipy.sparse import lil_matrix
+
+        result = lil_matrix((3 * self.count, 3 * len(chosen)))
+        for place, number in enumerate(chosen):
+            part = self.parts[number]
+            result[3 * np.arange(part.start, part.stop), 3 * place] = 1.0
+        return result.tocsr()
+
+    def areas(self, time: float) -> np.ndarray:
+        """Return the factors (count, 3) of tractions in the forces on bodies by ``rigid_motion``."""
+        area = 2.0 * np.pi * self.radii(time) * self.length
+        return np.stack([area, area, area], axis=1)
 
     def means(self, values: np.ndarray) -> np.ndarray:
         """Return the means (bodies,) over each wall of ``values`` (count,) at the points."""

@@ -1,0 +1,316 @@
+"""Velocity and pressure of a step solved together, which slow flow needs: the Stokes system of least-squares operators.
+
+With sigma = gamma_0/dt, a force f (everything explicit), the Laplacian L, gradient G and divergence D of particles,
+velocities u of the fluid and pressures p of all points, fluid and walls (docs/theory/two-dimensional.md, "Slow flow"),
+
+    sigma u - nu L u + G p = f                                       in the fluid,                       (9)
+    D u + tau (D G - L) p = 0                                        in the fluid,                      (10)
+    n . G p + nu n . curl curl u = n . (f - sigma U)                 on walls,                          (11)
+    M sigma X - F(u, p, X) = load                                    of bodies that the flow carries,   (12)
+
+where U is the velocity of the walls, to which X of the bodies contributes. D G has modes of the pressure that oscillate
+from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the splitting
+(``equations.py``), and leave a divergence that grows with the step.
+
+GMRES (Y. Saad, M. H. Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869), preconditioned from the left, so that
+residuals are errors of velocities, by block elimination from X to p to u:
+
+    p = nu phi - sigma L^-1 r,    phi = r in the fluid, nu n . grad phi = r/tau on walls,
+
+r being the residual of (10) and (11) (J. Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869-895), then
+u = (sigma - nu L)^-1 (r - G p). Both inverses are one cycle of two levels, an auxiliary grid and Jacobi sweeps.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tisph.runtime import view
+from tisph.solvers.auxiliary_grid import WalledGrid
+
+STABILISATION = 0.1
+"""tau over spacing^2/nu. Velocities between eccentric cylinders have the same errors, within 30 %, from 0.01 to 10; with
+0.03 there are 1.3 times as many iterations, with 1 twice as many."""
+
+SWEEP, WALL_SWEEPS = 0.7, 2
+"""Damping of the Jacobi sweeps over velocities, and number of sweeps over the rows of walls."""
+
+PRESSURE_SWEEP = 0.8
+"""The same of the sweep over pressures."""
+
+FEW_AROUND = 0.3
+"""Weight of the particles around a node below which their mean counts less."""
+
+MOST_DIRECTIONS, MOST_STARTS = 60, 5
+"""Directions of GMRES before it starts again, and how often it starts."""
+
+
+@dataclass(frozen=True)
+class CarriedBodies:
+    """Velocities X (m,) of bodies that the flow carries, as unknowns of the system; m is 0 where there are none.
+
+    * ``given`` (count, components): velocities of the points on walls without X. ``motion`` (count * components, m):
+      sparse, their derivative by X.
+    * ``areas`` (count, components): factors of tractions, so that forces F are motion^T (areas * tractions).
+      ``tractions`` (count, components): the parts of these that depend on none of the unknowns.
+    * ``inertia`` (m,): M sigma. ``load`` (m,): all other forces, and the known part of the change of momentum.
+    * ``guess`` (m,) of X, ``arm`` (m,) [1 or length] by which they are velocities, ``response`` (m,): inertia and a
+      rough derivative of -F by X.
+    """
+
+    given: np.ndarray
+    motion: Any
+    areas: np.ndarray
+    tractions: np.ndarray
+    inertia: np.ndarray
+    load: np.ndarray
+    guess: np.ndarray
+    arm: np.ndarray
+    response: np.ndarray
+
+
+@dataclass(frozen=True)
+class WallRows:
+    """Equations at the points on walls: ``normal`` (count, 2) into the fluid and ``weight`` (count,) of a row.
+
+    ``open_walls`` (count,) and ``open_fluid`` (fluid,): parts of the equations that hold where gaps between bodies
+    close; 1 elsewhere. ``strain``: function of velocities and their derivatives at the points, 2 D.
+    """
+
+    normal: np.ndarray
+    weight: np.ndarray
+    open_walls: np.ndarray
+    open_fluid: np.ndarray
+    strain: Any
+
+
+class StokesSolver:
+    """Solver at the points of least-squares ``operators``: the fluid's come first, those on walls after them.
+
+    ``grid`` of the preconditioner. ``iterations``: number for the last solution.
+    """
+
+    def __init__(self, operators: Any, grid: WalledGrid, components: int, spacing: float) -> None:
+        self.operators, self.points, self.grid = operators, operators.points, grid
+        self.components, self.spacing, self.axisymmetric = components, spacing, operators.axisymmetric
+        self.iterations = 0
+
+    def assemble(self, rows: WallRows) -> None:
+        """Set the matrices of the present operators, with these equations at walls."""
+        from scipy.sparse import csr_matrix, diags
+
+        points, self.rows = self.points, rows
+        self.n, self.fluid = int(view(points.particles)), int(view(points.n_fluid))
+        n, fluid, count, table = self.n, self.fluid, view(points.count)[: self.n], view(points.neighbours)[: self.n]
+        listed = np.arange(points.row_capacity) < count[:, None]
+        own = np.arange(n, dtype=np.int32)[:, None]
+        used = np.hstack([np.ones_like(own, dtype=bool), listed])
+        columns = np.hstack([own, np.where(table < n, table, own)])[used]
+        begins = np.concatenate([[0], np.cumsum(count + 1)]).astype(np.int32)
+
+        def matrix(field: Any) -> Any:
+            weights = np.where(listed, view(field)[:n], 0.0).astype(float)
+            entries = np.hstack([-weights.sum(axis=1, keepdims=True), weights])[used]
+            return csr_matrix((entries, columns, begins), (n, n))
+
+        operators = self.operators
+        self.laplacian, self.d_dx, self.d_dy = map(matrix, (operators.laplacian, operators.d_dx, operators.d_dy))
+        self.diagonal = self.laplacian.diagonal()
+        self.walls_alone = self.laplacian[fluid:]
+        radius = self.radius = np.ones(n)
+        if self.axisymmetric:
+            radius = self.radius = view(points.position)[:n, 1] + float(view(operators.lowest_radius))
+        x, y = rows.weight * rows.normal.T
+        self.along, self.across = np.stack([x, y * radius[fluid:]]), np.stack([x * radius[fluid:] ** 2, -y * radius[fluid:]])
+        self.spread = self.grid.interpolation(n)
+        self.to_fluid, self.to_nodes = self.spread[:fluid], self.spread.T.tocsr()
+        self.around = np.asarray(self.to_fluid.sum(axis=0)).ravel()
+        self.means = (diags(1.0 / np.maximum(self.around, FEW_AROUND)) @ self.to_fluid.T).tocsr()
+
+    def solve(
+        self,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        force: np.ndarray,
+        divergence: np.ndarray,
+        sigma: float,
+        viscosity: np.ndarray,
+        bodies: CarriedBodies,
+        allowed: float,
+    ) -> tuple[bool, np.ndarray]:
+        """Solve for ``velocity`` (points, components) and ``pressure`` (points,), in place; return if it was, and X.
+
+        ``force`` f (points, components); ``divergence`` (fluid,) that stays in gaps that close; ``viscosity``
+        (points,). ``allowed``: root mean square error of the velocities.
+        """
+        self.sigma, self.viscosity, self.bodies, self.force = sigma, viscosity[:, None], bodies, force
+        self.tau = np.minimum(STABILISATION * self.spacing**2 / viscosity, 1.0 / sigma if sigma else np.inf)
+        self.divergence, fluid = divergence, self.fluid
+        self.inverse = 1.0 / (sigma - self.viscosity * self.diagonal[:, None])[:fluid]
+        mean = viscosity[:fluid].mean()
+        sums, around = self.to_fluid.T @ viscosity[:fluid], self.around
+        at_nodes = np.divide(sums, around, out=np.full_like(sums, mean), where=around > 0.0)
+        self.grid.factorise_velocities(sigma, at_nodes, self.components)
+        pressure_unit = sigma * self.spacing + mean / self.spacing
+        carried = bodies.arm * np.sqrt(fluid) if len(bodies.arm) else bodies.arm
+        self.units = np.concatenate([np.ones(fluid * self.components), np.full(self.n, 1.0 / pressure_unit), carried])
+        unknowns = self.units * np.concatenate([velocity[:fluid].ravel(), pressure, bodies.guess])
+        unknowns, solved = self.iterate(unknowns, allowed * np.sqrt(fluid))
+        found, pressure[...], carried = self.parts(unknowns)
+        velocity[...] = found
+        velocity[fluid:] += bodies.given
+        return solved, carried
+
+    def parts(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return u (points, components), on walls by X alone, p (points,) and X (m,) of scaled ``unknowns``."""
+        unknowns, count = unknowns / self.units, self.fluid * self.components
+        velocity, carried = np.zeros((self.n, self.components)), unknowns[count + self.n :]
+        velocity[: self.fluid] = unknowns[:count].reshape(-1, self.components)
+        velocity[self.fluid :] = (self.bodies.motion @ carried).reshape(-1, self.components)
+        return velocity, unknowns[count : count + self.n], carried
+
+    def residual(self, unknowns: np.ndarray, given: float) -> np.ndarray:
+        """Return the residuals of (9) to (12), with the ``given`` part, 0 or 1, of everything that is known."""
+        velocity, pressure, carried = self.parts(unknowns)
+        fluid, components, rows, radius = self.fluid, self.components, self.rows, self.radius
+        velocity[fluid:] += given * self.bodies.given
+        both = np.hstack([velocity, pressure[:, None]])
+        laplacian, by_x, by_y = self.laplacian @ both, self.d_dx @ both, self.d_dy @ both
+        viscous, gradient = laplacian[:, :components], np.stack([by_x[:, -1], by_y[:, -1]], axis=1)
+        if self.axisymmetric:
+            viscous[:, 1:] += 2.0 * by_y[:, 1:components]
+        momentum = given * self.force - self.sigma * velocity + self.viscosity * viscous
+        momentum[:, :2] -= gradient
+        # a second derivative: of the pressure in the fluid, of the vorticity (over r) at walls
+        vorticity = by_x[:, 1] - by_y[:, 0]
+        second_x = self.d_dx @ np.stack([gradient[:, 0], vorticity], axis=1)
+        second_y = self.d_dy @ np.stack([gradient[:, 1], vorticity], axis=1)
+        divergence = self.divergence_of(by_x[:, 0], by_y[:, 1], velocity[:, 1])
+        pressures = self.divergence_of(second_x[:, 0], second_y[:, 0], gradient[:, 1])
+        curl = self.across[0] * second_y[fluid:, 1] + self.across[1] * second_x[fluid:, 1]
+        if self.axisymmetric:
+            curl += 2.0 * rows.weight * rows.normal[:, 0] * vorticity[fluid:]
+        continuity = self.tau * laplacian[:, -1]
+        continuity[:fluid] -= rows.open_fluid * (divergence + self.tau[:fluid] * pressures)
+        if given and not rows.open_fluid.all():
+            forces = self.divergence_of(self.d_dx @ self.force[:, 0], self.d_dy @ self.force[:, 1], self.force[:, 1])
+            kept = self.tau[:fluid] * (forces - self.sigma * self.divergence)
+            continuity[:fluid] -= (1.0 - rows.open_fluid) * kept
+        acceleration = given * self.force[fluid:] - self.sigma * velocity[fluid:]
+        pushed = self.along[0] * acceleration[:, 0] + self.along[1] * acceleration[:, 1]
+        wanted = rows.open_walls * (pushed - self.viscosity[fluid:, 0] * curl)
+        continuity[fluid:] = self.tau[fluid:] * (wanted - laplacian[fluid:, -1])
+        continuity -= continuity.mean()
+        return np.concatenate(
+            [momentum[:fluid].ravel(), continuity, self.residual_of_bodies(velocity, pressure, carried, by_x, by_y, given)]
+        )
+
+    def divergence_of(self, by_x: np.ndarray, by_y: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Return the divergence (fluid,) for derivatives (points,) of two components, of which one is ``across``."""
+        fluid = slice(self.fluid)
+        divergence = by_x[fluid] + self.radius[fluid] ** 2 * by_y[fluid]
+        return divergence + 2.0 * across[fluid] if self.axisymmetric else divergence
+
+    def residual_of_bodies(
+        self,
+        velocity: np.ndarray,
+        pressure: np.ndarray,
+        carried: np.ndarray,
+        by_x: np.ndarray,
+        by_y: np.ndarray,
+        given: float,
+    ) -> np.ndarray:
+        """Return the residuals (m,) of (12)."""
+        if not len(carried):
+            return carried
+        walls, bodies, normal = slice(self.fluid, None), self.bodies, self.rows.normal.T
+        derivatives = (by[walls, : self.components].T for by in (by_x, by_y))
+        stress = self.viscosity[walls, 0] * self.rows.strain(velocity[walls].T, *derivatives)
+        tractions = given * bodies.tractions
+        for number, row in enumerate((stress[:2], stress[1:3], stress[3:])[: self.components]):
+            tractions[:, number] += (row * normal).sum(axis=0)
+        tractions[:, :2] -= (pressure[walls] * normal).T
+        force = bodies.motion.T @ (bodies.areas * tractions).ravel()
+        return given * bodies.load - bodies.inertia * carried + force
+
+    def precondition(self, residual: np.ndarray) -> np.ndarray:
+        """Return scaled unknowns that remove a ``residual`` approximately."""
+        fluid, components, count = self.fluid, self.components, self.fluid * self.components
+        correction = np.zeros_like(residual)
+        if len(self.bodies.arm):
+            correction[count + self.n :] = residual[count + self.n :] / self.bodies.response
+            correction *= self.units
+            residual = residual + self.residual(correction, 0.0)
+        momentum, continuity = residual[:count].reshape(-1, components), residual[count : count + self.n]
+        pressure = self.pressure_for(continuity)
+        momentum = momentum.copy()
+        momentum[:, 0] -= self.d_dx[:fluid] @ pressure
+        momentum[:, 1] -= self.d_dy[:fluid] @ pressure
+        correction[:count] = self.velocity_for(momentum).ravel()
+        correction[count : count + self.n] = self.units[count] * pressure
+        return correction
+
+    def pressure_for(self, continuity: np.ndarray) -> np.ndarray:
+        """Return the pressure (points,) that removes the residual (points,) of (10) and (11)."""
+        fluid, viscosity = self.fluid, self.viscosity[:, 0]
+        phi = np.concatenate([continuity[:fluid], np.zeros(self.n - fluid)])
+        wanted = continuity[fluid:] / (self.tau * viscosity)[fluid:]
+        for _ in range(1 + WALL_SWEEPS):
+            phi[fluid:] += (wanted - self.walls_alone @ phi) / self.diagonal[fluid:]
+        pressure = viscosity * phi
+        if self.sigma:
+            right = np.concatenate([continuity[:fluid] - continuity[:fluid].mean(), np.zeros(self.n - fluid)])
+            smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
+            swept = PRESSURE_SWEEP * (right + self.laplacian @ smooth) / -self.diagonal
+            smooth[:fluid] += swept[:fluid]
+            smooth[fluid:] -= (self.walls_alone @ smooth) / self.diagonal[fluid:]
+            pressure += self.sigma * smooth
+        return pressure - pressure.mean()
+
+    def velocity_for(self, momentum: np.ndarray) -> np.ndarray:
+        """Return velocities (fluid, components), 0 on walls, that remove the residual of (9)."""
+        velocity = SWEEP * self.inverse * momentum
+        coarse = self.grid.invert_velocities(self.means @ (momentum - self.viscous(velocity)))
+        velocity += self.to_fluid @ coarse
+        return velocity + SWEEP * self.inverse * (momentum - self.viscous(velocity))
+
+    def viscous(self, velocity: np.ndarray) -> np.ndarray:
+        """Return sigma u - nu L u for velocities (fluid, components) that are 0 on walls."""
+        whole = np.zeros((self.n, self.components))
+        whole[: self.fluid] = velocity
+        laplacian = (self.laplacian @ whole)[: self.fluid]
+        if self.axisymmetric:
+            laplacian[:, 1:] += 2.0 * (self.d_dy @ whole[:, 1:])[: self.fluid]
+        return self.sigma * velocity - self.viscosity[: self.fluid] * laplacian
+
+    def iterate(self, unknowns: np.ndarray, allowed: float) -> tuple[np.ndarray, bool]:
+        """Return better ``unknowns``, by GMRES, and whether their error is ``allowed``."""
+        self.iterations = 0
+        for _ in range(MOST_STARTS):
+            residual = self.precondition(self.residual(unknowns, 1.0))
+            size = float(np.linalg.norm(residual))
+            if not size > allowed:
+                return unknowns, size <= allowed
+            directions = np.zeros((MOST_DIRECTIONS + 1, len(unknowns)))
+            matrix = np.zeros((MOST_DIRECTIONS + 1, MOST_DIRECTIONS))
+            directions[0] = residual / size
+            for step in range(MOST_DIRECTIONS):
+                new, before = -self.precondition(self.residual(directions[step], 0.0)), directions[: step + 1]
+                for _ in range(2):  # twice is enough, whatever the rounding
+                    parts = before @ new
+                    new -= parts @ before
+                    matrix[: step + 1, step] += parts
+                matrix[step + 1, step] = np.linalg.norm(new)
+                self.iterations += 1
+                wanted = np.zeros(step + 2)
+                wanted[0] = size
+                factors, *_ = np.linalg.lstsq(matrix[: step + 2, : step + 1], wanted)
+                left = np.linalg.norm(wanted - matrix[: step + 2, : step + 1] @ factors)
+                if left <= allowed or not matrix[step + 1, step] > 0.0:
+                    break
+                directions[step + 1] = new / matrix[step + 1, step]
+            unknowns = unknowns + factors @ directions[: step + 1]
+            if left <= allowed:
+                return unknowns, True
+        return unknowns, False

@@ -117,7 +117,7 @@ class StokesSolver:
         operators = self.operators
         self.laplacian, self.d_dx, self.d_dy = map(matrix, (operators.laplacian, operators.d_dx, operators.d_dy))
         self.diagonal = self.laplacian.diagonal()
-        self.walls_alone = self.laplacian[fluid:]
+        self.at_walls, self.fluid_x, self.fluid_y = self.laplacian[fluid:], self.d_dx[:fluid], self.d_dy[:fluid]
         radius = self.radius = np.ones(n)
         if self.axisymmetric:
             radius = self.radius = view(points.position)[:n, 1] + float(view(operators.lowest_radius))
@@ -238,15 +238,13 @@ class StokesSolver:
         """Return scaled unknowns that remove a ``residual`` approximately."""
         fluid, components, count = self.fluid, self.components, self.fluid * self.components
         correction = np.zeros_like(residual)
-        if len(self.bodies.arm):
-            correction[count + self.n :] = residual[count + self.n :] / self.bodies.response
-            correction *= self.units
-            residual = residual + self.residual(correction, 0.0)
+        carried = slice(count + self.n, None)
+        correction[carried] = self.units[carried] * residual[carried] / self.bodies.response
         momentum, continuity = residual[:count].reshape(-1, components), residual[count : count + self.n]
         pressure = self.pressure_for(continuity)
         momentum = momentum.copy()
-        momentum[:, 0] -= self.d_dx[:fluid] @ pressure
-        momentum[:, 1] -= self.d_dy[:fluid] @ pressure
+        momentum[:, 0] -= self.fluid_x @ pressure
+        momentum[:, 1] -= self.fluid_y @ pressure
         correction[:count] = self.velocity_for(momentum).ravel()
         correction[count : count + self.n] = self.units[count] * pressure
         return correction
@@ -257,14 +255,14 @@ class StokesSolver:
         phi = np.concatenate([continuity[:fluid], np.zeros(self.n - fluid)])
         wanted = continuity[fluid:] / (self.tau * viscosity)[fluid:]
         for _ in range(1 + WALL_SWEEPS):
-            phi[fluid:] += (wanted - self.walls_alone @ phi) / self.diagonal[fluid:]
+            phi[fluid:] += (wanted - self.at_walls @ phi) / self.diagonal[fluid:]
         pressure = viscosity * phi
         if self.sigma:
             right = np.concatenate([continuity[:fluid] - continuity[:fluid].mean(), np.zeros(self.n - fluid)])
             smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
             swept = PRESSURE_SWEEP * (right + self.laplacian @ smooth) / -self.diagonal
             smooth[:fluid] += swept[:fluid]
-            smooth[fluid:] -= (self.walls_alone @ smooth) / self.diagonal[fluid:]
+            smooth[fluid:] -= (self.at_walls @ smooth) / self.diagonal[fluid:]
             pressure += self.sigma * smooth
         return pressure - pressure.mean()
 

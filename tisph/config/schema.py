@@ -78,13 +78,17 @@ class Units(Model):
 
 
 class Fluid(Model):
-    """Density [mass/length^3] and viscosity: dynamic [mass/(length time)] or kinematic [length^2/time]."""
+    """Density [mass/length^3] and viscosity: dynamic [mass/(length time)] or kinematic [length^2/time].
+
+    ``inertia``: whether fluid and bodies have any; without it the flow is Stokes flow at every time.
+    """
 
     exclusive_keys = ("dynamic_viscosity", "kinematic_viscosity")
 
     density: Positive
     dynamic_viscosity: Positive | None = None
     kinematic_viscosity: Positive | None = None
+    inertia: bool = True
     rheology: Annotated[Model, Rheology] = Field(default_factory=Rheology.default)
 
     @property

@@ -156,6 +156,9 @@ class Scene(SceneDefaults):
     rheology: Rheology | None = None
     """Parameters of a non-Newtonian fluid, else None."""
 
+    inertia: bool = True
+    """Whether fluid and bodies have inertia; without it the flow is Stokes flow at every time."""
+
     given_velocity: float | None = None
     """Reference velocity from the config; None where ``velocity_scale`` is used."""
 
@@ -178,6 +181,7 @@ class Scene(SceneDefaults):
             "kinematic_viscosity": config.kinematic_viscosity,
             "spacing": config.spacing,
             "units": config.units,
+            "inertia": config.fluid.inertia,
             "rheology": None if config.fluid.rheology.type == "newtonian" else config.fluid.rheology,
             "given_velocity": config.reference.velocity if config.reference else None,
         }

@@ -53,7 +53,7 @@ LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
 
 OF_SCENE: tuple[str, ...] = ("density", "kinematic_viscosity", "reference_velocity", "start_time", "rheology")
 OF_SCENE += ("jump_times", "initial_conformation_excess", "axisymmetric", "swirls", "body_force", "conformation_source")
-OF_SCENE += ("initial_velocity", "has_own_start", "kept_mean_velocity")
+OF_SCENE += ("initial_velocity", "has_own_start", "kept_mean_velocity", "inertia")
 """Attributes that a problem takes from its scene."""
 
 
@@ -74,6 +74,7 @@ class _Problem(Box):
     * ``body_force``, ``conformation_source``: functions of places and time, see ``Scene``.
     * ``axisymmetric``: whether y is the distance from an axis; ``annular``: whether an inner wall keeps the fluid away
       from the axis; ``swirls``: whether the fluid may turn around it.
+    * ``inertia``: whether fluid and bodies have inertia; without it the flow is Stokes flow at every time.
     * ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
 
@@ -81,6 +82,7 @@ class _Problem(Box):
     kinematic_viscosity: float
     reference_velocity: float
     start_time: float = 0.0
+    inertia: bool = True
     walls: Any = None
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()

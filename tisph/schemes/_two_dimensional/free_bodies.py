@@ -178,6 +178,8 @@ class FreeBodies:
         self.mass, self.load = (
             np.array([getattr(each, name) for each in inertias]) / density for name in ("mass", "load")
         )
+        self.has_inertia = problem.inertia
+        self.mass *= self.has_inertia
         self.moves = ~np.array([each.held for each in inertias])
         self.massless_rotation = self.moves[:, 2] & (self.mass[:, 2] == 0.0)
         self.radius = np.array([walls.bodies[number].shape.length for number in self.index]) / (2 * math.pi)
@@ -248,7 +250,8 @@ class FreeBodies:
         """
         load = self.load + self.pushes + self.mass * self.known / dt
         inertia = self.mass * self.gamma0 / dt
-        duration = min(dt / self.gamma0, (THICKEST * self.radius.min()) ** 2 / self.viscosity)
+        deepest = (THICKEST * self.radius.min()) ** 2 / self.viscosity
+        duration = min(dt / self.gamma0, deepest) if self.has_inertia else deepest
         return inertia, load, inertia + self.added_mass(duration) / duration
 
     @property
@@ -375,6 +378,16 @@ class FreeWallBoundary(WallBoundary):
         """Leave the impulse to the ``FreeBodyCoupling``."""
         self.measure_own_start()
         return True
+
+    def begin_without_inertia(self, time: float) -> None:
+        """Begin at ``time``, with a flow that no earlier one alters."""
+        self.free.reset(time)
+        super().begin_without_inertia(time)
+
+    def forget(self) -> None:
+        """Forget loads and velocities of earlier times."""
+        super().forget()
+        self.free.restart()
 
     def jump(self, time: float) -> None:
         """Give the points the velocities after ``time``, at which walls jump; bodies have no earlier levels then."""

@@ -155,6 +155,12 @@ class Boundary:
     def begin(self, equations: "Equations") -> None:
         """Give the points on walls their velocities after the start, and the equations their accelerations."""
 
+    def begin_without_inertia(self, time: float) -> None:
+        """Begin at ``time``, with a flow that no earlier one alters."""
+
+    def forget(self) -> None:
+        """Forget earlier times, at which the motion was another one."""
+
     def jump(self, time: float) -> None:
         """Give the points on walls the velocities after a jump at ``time``."""
 

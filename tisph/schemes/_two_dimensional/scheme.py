@@ -59,6 +59,9 @@ between cylinders are the same to four digits. With couplings, which use the loa
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
+INSTANT = 1e-6
+"""Length of a step that finds the flow at one time, over the longest step."""
+
 TOGETHER = 0.01
 """Error of their solution over the error of a step."""
 
@@ -139,6 +142,10 @@ class SplittingScheme(ControlledScheme):
         active(levels.number)[:fluid] = np.arange(len(position))
         view(levels.step_weights)[...] = 0.0
         levels.move_points()
+        if not self.problem.inertia:
+            self.extra_stress.begin()
+            self.settle(before=True)
+            return
         self.assemble(self.time)
         solved = self.boundary.apply_impulse(self.equations, residual)
         solved = all([solved, *(coupling.start(self.equations, residual) for coupling in self.couplings)])
@@ -175,7 +182,7 @@ class SplittingScheme(ControlledScheme):
 
     def begin_steps(self) -> None:
         """Choose the first step, or the first one after a change."""
-        self.control.dt_next = limits.FIRST * self.control.limit(self.speed)
+        self.control.dt_next = limits.first_step(self.control.limit(self.speed), self.problem)
 
     def advance(self) -> None:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
@@ -183,6 +190,8 @@ class SplittingScheme(ControlledScheme):
             self.dts = []  # no polynomial in time continues past a jump
             self.boundary.jump(self.time)
             self.begin_steps()
+            if not self.problem.inertia:
+                self.settle()
         unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
         dt, error = self.control.take(self.time, self.attempt, unresolved)
         if dt is None and math.isinf(error):
@@ -190,6 +199,27 @@ class SplittingScheme(ControlledScheme):
         if dt is None:
             raise self.diverged(TOO_LONG)
         self.accept_step(dt)
+
+    def settle(self, before: bool = False) -> None:
+        """Without inertia: find the flow at the present time, by a step in which next to nothing moves.
+
+        It is the first one, ``before`` the start, or follows a jump of the walls.
+        """
+        dt = INSTANT * self.control.limit(self.speed)
+        time = self.time
+        if before:
+            self.time -= dt
+            self.boundary.begin_without_inertia(self.time)
+        error, _ = self.attempt(dt)
+        if math.isinf(error):
+            raise self.diverged("no velocities are found for the walls")
+        self.accept_step(dt)
+        self.dts = []
+        self.boundary.forget()
+        if before:
+            self.reset_steps(time)
+            self.iterations = [0.0, 0.0]
+        self.begin_steps()
 
     def attempt(self, dt: float) -> tuple[float, int]:
         """Compute velocity and pressure at the end of a step; return the error, over the velocity, and its order.
@@ -215,6 +245,7 @@ class SplittingScheme(ControlledScheme):
         levels, boundary, extra_stress, equations = self.levels, self.boundary, self.extra_stress, self.equations
         end, weights = self.time + dt, TimeWeights([dt, *self.dts], dt)
         gamma0, alpha = weights.bdf()
+        inertia = gamma0 if self.problem.inertia else 0.0
 
         levels.predict(weights)
         if not boundary.predict(weights, dt, end):
@@ -225,7 +256,7 @@ class SplittingScheme(ControlledScheme):
             coupling.prepare(equations, dt, gamma0, end, self.tolerance * self.error_speed)
         extra_stress.prepare(weights, dt, end)
         viscosity = self.problem.solvent_viscosity + extra_stress.viscosity
-        equations.begin_step(weights, alpha)
+        equations.begin_step(weights, alpha if inertia else 0.0 * alpha)
         self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
         boundary.begin_step(weights)
@@ -240,13 +271,14 @@ class SplittingScheme(ControlledScheme):
         solved = True
         for outer in range(MOST_ITERATIONS):
             extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
-            levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
+            if inertia:
+                levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
             if outer == 0 or forcing_varies:
                 equations.set_divergence(dt, retained, gamma0)
             if outer > 0 and curls_vary:
                 boundary.update_normal_curls(equations.velocity.x)
             if self.slow:
-                solved = equations.solve_together(dt, viscosity, gamma0, TOGETHER * self.tolerance * self.error_speed)
+                solved = equations.solve_together(dt, viscosity, inertia, TOGETHER * self.tolerance * self.error_speed)
             else:
                 boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
                 exact = self.couplings or outer >= least - 1

@@ -21,7 +21,7 @@ LEAST_GRADIENT = 100 * TOLERANCE
 One that counts as resolved (1 % of that) then alters them by less than the error of a step."""
 
 FIRST = 0.02
-"""The first step, which is of first order, over the longest step that the Courant number allows."""
+"""The first step, which is of first order, over the longest one of the Courant number, or of the splitting."""
 
 PRESSURE_RESIDUAL, VELOCITY_RESIDUAL = (1.0, 1e-6), (5e-4, 1e-10)
 """Residuals of the linear systems: over the tolerance of a step, and the least one. Residuals of the velocities add up
@@ -83,8 +83,16 @@ def step_control(case: Any, targets: Sequence[float], tolerance: float | None, c
 
 
 def is_slow(case: Any, courant: float) -> bool:
-    """Return whether steps of this Courant number are too long for the splitting: walls and a large viscosity."""
-    return bool(case.bodies) and courant * case.spacing / case.reference_velocity > viscous_step(case)
+    """Return whether steps of this Courant number are too long for the splitting, between walls."""
+    return not case.inertia or bool(case.bodies) and courant * case.spacing / case.reference_velocity > viscous_step(case)
+
+
+def first_step(longest: float, case: Any) -> float:
+    """Return the first step, or the first one after a jump, where the ``longest`` one is known.
+
+    The layer beside a wall that starts to move is thin at first, whatever is allowed later.
+    """
+    return FIRST * (min(longest, viscous_step(case)) if case.inertia else longest)
 
 
 def viscous_step(case: Any) -> float:

@@ -267,6 +267,15 @@ class WallBoundary(Boundary):
             acceleration += self.problem.unknowns_given(self.problem.body_force, *self.places.T, start)
         view(equations.forcing)[self.slots] = self.corners.add_start_force(acceleration, self.slots)
 
+    def begin_without_inertia(self, time: float) -> None:
+        """Begin at ``time``, with a flow that no earlier one alters."""
+        self.move(time)
+        self.store_normal_curls()
+
+    def forget(self) -> None:
+        """Forget the loads of earlier times, at which the motion was another one."""
+        self.loads.times = []
+
     def jump(self, time: float) -> None:
         """Give the points the velocities of the walls after ``time``, at which these jump."""
         self.loads.times = []

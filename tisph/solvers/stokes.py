@@ -6,7 +6,7 @@ velocities u of the fluid and pressures p of all points, fluid and walls (docs/t
     sigma u - nu L u + G p = f                                       in the fluid,                       (9)
     D u + tau (D G - L) p = 0                                        in the fluid,                      (10)
     n . G p + nu n . curl curl u = n . (f - sigma U)                 on walls,                          (11)
-    M sigma X - F(u, p, X) = load                                    of bodies that the flow carries,   (12)
+    M sigma X - F(u, p) = load                                       of bodies that the flow carries,   (12)
 
 where U is the velocity of the walls, to which X of the bodies contributes. D G has modes of the pressure that oscillate
 from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the splitting
@@ -21,7 +21,8 @@ r being the residual of (10) and (11) (J. Cahouet, J.-P. Chabard, Int. J. Numer.
 u = (sigma - nu L)^-1 (r - G p). Both inverses are one cycle of two levels, an auxiliary grid and Jacobi sweeps.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -47,27 +48,42 @@ MOST_DIRECTIONS, MOST_STARTS = 60, 5
 
 
 @dataclass(frozen=True)
-class CarriedBodies:
-    """Velocities X (m,) of bodies that the flow carries, as unknowns of the system; m is 0 where there are none.
+class Unknowns:
+    """Further unknowns X (m,): velocities of bodies that the flow carries, or an acceleration along x that drives it.
 
-    * ``given`` (count, components): velocities of the points on walls without X. ``motion`` (count * components, m):
-      sparse, their derivative by X.
-    * ``areas`` (count, components): factors of tractions, so that forces F are motion^T (areas * tractions).
-      ``tractions`` (count, components): the parts of these that depend on none of the unknowns.
-    * ``inertia`` (m,): M sigma. ``load`` (m,): all other forces, and the known part of the change of momentum.
-    * ``guess`` (m,) of X, ``arm`` (m,) [1 or length] by which they are velocities, ``response`` (m,): inertia and a
-      rough derivative of -F by X.
+    * ``motion`` (count * components, m), sparse: velocities of the points on walls by X. ``forces``, of the transposed
+      shape: the forces on bodies by the tractions at the points.
+    * ``push`` (m,): acceleration of the fluid along x by X. ``pushed`` (m,): load by such an acceleration.
+    * ``inertia`` (m,): M sigma. ``section`` (m, points), sparse: weights of the velocities along x in an equation.
+      ``load`` (m,): everything that is known.
+    * ``guess`` (m,) of X, ``arm`` (m,) by which X become velocities, ``response`` (m,): roughly the derivative of the
+      other side of the equation by X.
+
+    An equation is forces * tractions + pushed * acceleration + load = inertia X + section u.
     """
 
-    given: np.ndarray
     motion: Any
-    areas: np.ndarray
-    tractions: np.ndarray
+    forces: Any
+    push: np.ndarray
+    pushed: np.ndarray
     inertia: np.ndarray
+    section: Any
     load: np.ndarray
     guess: np.ndarray
     arm: np.ndarray
     response: np.ndarray
+
+    @classmethod
+    def joined(cls, blocks: "Sequence[Unknowns]", walls: int, points: int) -> "Unknowns":
+        """Return the unknowns of all ``blocks``: none of them at all where there is no block."""
+        from scipy.sparse import csr_matrix, hstack, vstack
+
+        none = np.empty(0)
+        nothing = cls(csr_matrix((walls, 0)), csr_matrix((0, walls)), none, none, none, csr_matrix((0, points)), *4 * [none])
+        parts: dict[str, Any] = {each.name: [getattr(block, each.name) for block in (nothing, *blocks)] for each in fields(cls)}
+        sparse = {"motion": hstack(parts["motion"], "csr"), "forces": vstack(parts["forces"], "csr")}
+        sparse["section"] = vstack(parts["section"], "csr")
+        return cls(**{name: np.concatenate(values) for name, values in parts.items() if name not in sparse} | sparse)
 
 
 @dataclass(frozen=True)
@@ -128,59 +144,63 @@ class StokesSolver:
         self.around = np.asarray(self.to_fluid.sum(axis=0)).ravel()
         self.means = (diags(1.0 / np.maximum(self.around, FEW_AROUND)) @ self.to_fluid.T).tocsr()
 
+    def set_step(self, sigma: float, viscosity: np.ndarray) -> None:
+        """Set the coefficients of a step, with the ``viscosity`` (points,) of its implicit part."""
+        fluid, around = self.fluid, self.around
+        self.sigma, self.viscosity = sigma, viscosity[:, None]
+        self.tau = np.minimum(STABILISATION * self.spacing**2 / viscosity, 1.0 / sigma if sigma else np.inf)
+        self.inverse = 1.0 / (sigma - self.viscosity * self.diagonal[:, None])[:fluid]
+        mean, sums = viscosity[:fluid].mean(), self.to_fluid.T @ viscosity[:fluid]
+        at_nodes = np.divide(sums, around, out=np.full_like(sums, mean), where=around > 0.0)
+        self.grid.factorise_velocities(sigma, at_nodes, self.components)
+        self.pressure_unit = sigma * self.spacing + mean / self.spacing
+
     def solve(
         self,
         velocity: np.ndarray,
         pressure: np.ndarray,
         force: np.ndarray,
         divergence: np.ndarray,
-        sigma: float,
-        viscosity: np.ndarray,
-        bodies: CarriedBodies,
+        others: Unknowns,
         allowed: float,
     ) -> tuple[bool, np.ndarray]:
         """Solve for ``velocity`` (points, components) and ``pressure`` (points,), in place; return if it was, and X.
 
-        ``force`` f (points, components); ``divergence`` (fluid,) that stays in gaps that close; ``viscosity``
-        (points,). ``allowed``: root mean square error of the velocities.
+        ``velocity`` on walls is known but for the part of ``others``, by their guess. ``force`` f (points, components).
+        ``divergence`` (fluid,) that stays in gaps that close. ``allowed``: root mean square error of the velocities.
         """
-        self.sigma, self.viscosity, self.bodies, self.force = sigma, viscosity[:, None], bodies, force
-        self.tau = np.minimum(STABILISATION * self.spacing**2 / viscosity, 1.0 / sigma if sigma else np.inf)
-        self.divergence, fluid = divergence, self.fluid
-        self.inverse = 1.0 / (sigma - self.viscosity * self.diagonal[:, None])[:fluid]
-        mean = viscosity[:fluid].mean()
-        sums, around = self.to_fluid.T @ viscosity[:fluid], self.around
-        at_nodes = np.divide(sums, around, out=np.full_like(sums, mean), where=around > 0.0)
-        self.grid.factorise_velocities(sigma, at_nodes, self.components)
-        pressure_unit = sigma * self.spacing + mean / self.spacing
-        carried = bodies.arm * np.sqrt(fluid) if len(bodies.arm) else bodies.arm
-        self.units = np.concatenate([np.ones(fluid * self.components), np.full(self.n, 1.0 / pressure_unit), carried])
-        unknowns = self.units * np.concatenate([velocity[:fluid].ravel(), pressure, bodies.guess])
+        fluid, count = self.fluid, self.fluid * self.components
+        self.others, self.force, self.divergence = others, force, divergence
+        self.given = velocity[fluid:] - (others.motion @ others.guess).reshape(-1, self.components)
+        units = np.ones(count), np.full(self.n, 1.0 / self.pressure_unit), others.arm * np.sqrt(fluid)
+        self.units = np.concatenate(units)
+        unknowns = self.units * np.concatenate([velocity[:fluid].ravel(), pressure, others.guess])
         unknowns, solved = self.iterate(unknowns, allowed * np.sqrt(fluid))
-        found, pressure[...], carried = self.parts(unknowns)
-        velocity[...] = found
-        velocity[fluid:] += bodies.given
-        return solved, carried
+        velocity[...], pressure[...], found = self.parts(unknowns)
+        velocity[fluid:] += self.given
+        return solved, found
 
     def parts(self, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return u (points, components), on walls by X alone, p (points,) and X (m,) of scaled ``unknowns``."""
         unknowns, count = unknowns / self.units, self.fluid * self.components
-        velocity, carried = np.zeros((self.n, self.components)), unknowns[count + self.n :]
+        velocity, others = np.zeros((self.n, self.components)), unknowns[count + self.n :]
         velocity[: self.fluid] = unknowns[:count].reshape(-1, self.components)
-        velocity[self.fluid :] = (self.bodies.motion @ carried).reshape(-1, self.components)
-        return velocity, unknowns[count : count + self.n], carried
+        velocity[self.fluid :] = (self.others.motion @ others).reshape(-1, self.components)
+        return velocity, unknowns[count : count + self.n], others
 
     def residual(self, unknowns: np.ndarray, given: float) -> np.ndarray:
         """Return the residuals of (9) to (12), with the ``given`` part, 0 or 1, of everything that is known."""
-        velocity, pressure, carried = self.parts(unknowns)
+        velocity, pressure, others = self.parts(unknowns)
         fluid, components, rows, radius = self.fluid, self.components, self.rows, self.radius
-        velocity[fluid:] += given * self.bodies.given
+        velocity[fluid:] += given * self.given
+        force = given * self.force
+        force[:, 0] += self.others.push @ others
         both = np.hstack([velocity, pressure[:, None]])
         laplacian, by_x, by_y = self.laplacian @ both, self.d_dx @ both, self.d_dy @ both
         viscous, gradient = laplacian[:, :components], np.stack([by_x[:, -1], by_y[:, -1]], axis=1)
         if self.axisymmetric:
             viscous[:, 1:] += 2.0 * by_y[:, 1:components]
-        momentum = given * self.force - self.sigma * velocity + self.viscosity * viscous
+        momentum = force - self.sigma * velocity + self.viscosity * viscous
         momentum[:, :2] -= gradient
         # a second derivative: of the pressure in the fluid, of the vorticity (over r) at walls
         vorticity = by_x[:, 1] - by_y[:, 0]
@@ -197,14 +217,13 @@ class StokesSolver:
             forces = self.divergence_of(self.d_dx @ self.force[:, 0], self.d_dy @ self.force[:, 1], self.force[:, 1])
             kept = self.tau[:fluid] * (forces - self.sigma * self.divergence)
             continuity[:fluid] -= (1.0 - rows.open_fluid) * kept
-        acceleration = given * self.force[fluid:] - self.sigma * velocity[fluid:]
+        acceleration = force[fluid:] - self.sigma * velocity[fluid:]
         pushed = self.along[0] * acceleration[:, 0] + self.along[1] * acceleration[:, 1]
         wanted = rows.open_walls * (pushed - self.viscosity[fluid:, 0] * curl)
         continuity[fluid:] = self.tau[fluid:] * (wanted - laplacian[fluid:, -1])
         continuity -= continuity.mean()
-        return np.concatenate(
-            [momentum[:fluid].ravel(), continuity, self.residual_of_bodies(velocity, pressure, carried, by_x, by_y, given)]
-        )
+        rest = self.residual_of_others(velocity, pressure, others, by_x, by_y, given)
+        return np.concatenate([momentum[:fluid].ravel(), continuity, rest])
 
     def divergence_of(self, by_x: np.ndarray, by_y: np.ndarray, across: np.ndarray) -> np.ndarray:
         """Return the divergence (fluid,) for derivatives (points,) of two components, of which one is ``across``."""
@@ -212,34 +231,33 @@ class StokesSolver:
         divergence = by_x[fluid] + self.radius[fluid] ** 2 * by_y[fluid]
         return divergence + 2.0 * across[fluid] if self.axisymmetric else divergence
 
-    def residual_of_bodies(
+    def residual_of_others(
         self,
         velocity: np.ndarray,
         pressure: np.ndarray,
-        carried: np.ndarray,
+        others: np.ndarray,
         by_x: np.ndarray,
         by_y: np.ndarray,
         given: float,
     ) -> np.ndarray:
-        """Return the residuals (m,) of (12)."""
-        if not len(carried):
-            return carried
-        walls, bodies, normal = slice(self.fluid, None), self.bodies, self.rows.normal.T
+        """Return the residuals (m,) of the equations of the ``Unknowns`` X = ``others``."""
+        if not len(others):
+            return others
+        walls, blocks, normal = slice(self.fluid, None), self.others, self.rows.normal.T
         derivatives = (by[walls, : self.components].T for by in (by_x, by_y))
         stress = self.viscosity[walls, 0] * self.rows.strain(velocity[walls].T, *derivatives)
-        tractions = given * bodies.tractions
-        for number, row in enumerate((stress[:2], stress[1:3], stress[3:])[: self.components]):
-            tractions[:, number] += (row * normal).sum(axis=0)
+        rows = (stress[:2], stress[1:3], stress[3:])[: self.components]
+        tractions = np.stack([(row * normal).sum(axis=0) for row in rows], axis=1)
         tractions[:, :2] -= (pressure[walls] * normal).T
-        force = bodies.motion.T @ (bodies.areas * tractions).ravel()
-        return given * bodies.load - bodies.inertia * carried + force
+        found = blocks.forces @ tractions.ravel() - blocks.inertia * others - blocks.section @ velocity[:, 0]
+        return given * blocks.load + blocks.pushed * (blocks.push @ others) + found
 
     def precondition(self, residual: np.ndarray) -> np.ndarray:
         """Return scaled unknowns that remove a ``residual`` approximately."""
         fluid, components, count = self.fluid, self.components, self.fluid * self.components
         correction = np.zeros_like(residual)
-        carried = slice(count + self.n, None)
-        correction[carried] = self.units[carried] * residual[carried] / self.bodies.response
+        others = slice(count + self.n, None)
+        correction[others] = self.units[others] * residual[others] / self.others.response
         momentum, continuity = residual[:count].reshape(-1, components), residual[count : count + self.n]
         pressure = self.pressure_for(continuity)
         momentum = momentum.copy()

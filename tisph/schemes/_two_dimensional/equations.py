@@ -20,7 +20,7 @@ from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
 from tisph.solvers.bicgstab import BiCGStab, TwoLevel
-from tisph.solvers.stokes import StokesSolver
+from tisph.solvers.stokes import StokesSolver, Unknowns
 
 ROUGH = 1.0
 """Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
@@ -86,21 +86,29 @@ class Equations:
         self.iterations[1] += self.velocity.iterations
         return solved
 
-    def solve_together(self, dt: float, viscosity: float, gamma0: float, tolerance: float) -> bool:
-        """Solve for pressure, velocities and free bodies at once, equations (9) to (12); return whether it was solved.
+    def begin_together(self, dt: float, gamma0: float) -> None:
+        """Begin to solve for everything together in a step, whose operators are known."""
+        self.together.assemble(self.boundary.rows())
+        self.duration, self.together_gamma0 = dt, gamma0
 
-        ``tolerance``: root mean square error of the velocities.
+    def solve_together(self, viscosity: float, tolerance: float, couplings: Sequence[Coupling]) -> bool:
+        """Solve for velocities, pressure and the unknowns of the ``couplings`` at once; return whether it was solved.
+
+        ``tolerance``: root mean square error of the velocities. Equations (9) to (12).
         """
         together, n, fluid = self.together, int(view(self.points.particles)), int(view(self.points.n_fluid))
-        together.assemble(self.boundary.rows())
+        together.set_step(self.together_gamma0 / self.duration, self.extra_stress.local_viscosities(viscosity, n))
         velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
-        force = view(self.forcing)[:n] / dt + view(self.acceleration)
-        local = self.extra_stress.local_viscosities(viscosity, n)
-        divergence, bodies = view(self.levels.divergence)[:fluid], self.boundary.carried(dt, gamma0)
-        solved, found = together.solve(velocity, pressure, force, divergence, gamma0 / dt, local, bodies, tolerance)
+        force = view(self.forcing)[:n] / self.duration + view(self.acceleration)
+        blocks = [coupling.unknowns(self.duration) for coupling in couplings]
+        others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
+        divergence = view(self.levels.divergence)[:fluid]
+        solved, found = together.solve(velocity, pressure, force, divergence, others, tolerance)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
-        self.boundary.carry(found)
         self.iterations[0] += together.iterations
+        for coupling, block in zip(couplings, blocks, strict=True):
+            coupling.take(self, found[: len(block.load)])
+            found = found[len(block.load) :]
         return solved
 
     def error(self) -> float:

@@ -40,7 +40,7 @@ from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 from tisph.snapshot import Bodies
-from tisph.solvers.stokes import CarriedBodies
+from tisph.solvers.stokes import Unknowns
 
 Pair = tuple[int, int]
 """Numbers of two bodies."""
@@ -240,7 +240,6 @@ class FreeBodies:
         loads, self.touching, self.gaps = self.contact.loads(time)
         self.pushes = loads[self.index, :3] / self.density
         self.begin(self.extrapolated.copy(), self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
-        self.time = time
         self.attempt()
 
     def unknowns(self, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -403,26 +402,6 @@ class FreeWallBoundary(WallBoundary):
         closed = view(self.closes)[: self.problem.n_fluid] > 0
         return 1.0 - view(self.continued)[self.slots].astype(float), np.where(closed, 0.0, 1.0)
 
-    def carried(self, dt: float, gamma0: float) -> CarriedBodies:
-        """Return the bodies whose velocities are unknowns of a step: the free ones, but for what is held."""
-        free, walls = self.free, self.walls
-        moves = free.moves.ravel()
-        motion = walls.rigid_motion(free.index, free.time)[:, moves]
-        now = free.velocities.ravel()[moves]
-        given = self.velocity - (motion @ now).reshape(self.velocity.shape)
-        none = np.zeros(walls.count)
-        stress = self.extra_stress.implicit_wall_stress(0.0 * self.loads.strain(self.velocity))
-        tractions = self.loads.tractions(none, self.normals, 0.0 * self.loads.strain(self.velocity), stress)[0]
-        inertia, load, response = (each.ravel()[moves] for each in free.unknowns(dt))
-        arm, areas = free.arm.ravel()[moves], walls.areas(free.time)
-        return CarriedBodies(given, motion, areas, tractions, inertia, load, now, arm, response)
-
-    def carry(self, velocities: np.ndarray) -> None:
-        """Give the bodies their ``velocities`` (m,) at the end of a step."""
-        self.free.velocities[self.free.moves] = velocities
-        self.free.attempt()
-        self.take_velocities(self.free.time)
-
     def take_velocities(self, time: float) -> None:
         """Give the points the present velocities of the bodies at ``time``."""
         self.velocity = self.walls.velocities(time)
@@ -489,6 +468,29 @@ class FreeBodyCoupling:
         fastest = float(np.abs(bodies.arm * bodies.velocities).max())
         self.rounding = self.precision * fastest * math.sqrt(walls.count) / (dt * walls.spacing)
         self.curl_scale = bodies.viscosity * dt / gamma0 / math.sqrt(walls.count)
+
+    def unknowns(self, dt: float) -> Unknowns:
+        """Return the velocities of the bodies in a step ``dt``, but for what is held, as unknowns."""
+        from scipy.sparse import csr_matrix, diags
+
+        free, boundary, moves = self.bodies, self.boundary, self.bodies.moves.ravel()
+        motion = boundary.walls.rigid_motion(free.index, self.time)[:, moves]
+        forces = (motion.T @ diags(boundary.walls.areas(self.time).ravel())).tocsr()
+        rest = 0.0 * boundary.loads.strain(boundary.velocity)
+        stress = boundary.extra_stress.implicit_wall_stress(rest)
+        known = boundary.loads.tractions(np.zeros(len(boundary.normals)), boundary.normals, rest, stress)[0]
+        inertia, load, response, arm, now = (each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities))
+        displaced = np.zeros_like(free.mass)
+        displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
+        none, points = np.zeros_like(now), boundary.problem.particles
+        section, load = csr_matrix((len(now), points)), load + forces @ known.ravel()
+        return Unknowns(motion, forces, none, displaced.ravel()[moves], inertia, section, load, now, arm, response)
+
+    def take(self, equations: "Equations", velocities: np.ndarray) -> None:
+        """Give the bodies their ``velocities`` at the end of the step, as they were found."""
+        self.bodies.velocities[self.bodies.moves] = velocities
+        self.bodies.attempt()
+        self.boundary.take_velocities(self.time)
 
     def correct(self, equations: "Equations") -> bool:
         """Change the velocities of the bodies by the loads of the fluid; return whether they had converged."""

@@ -12,6 +12,7 @@ import numpy as np
 from tisph.runtime import view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+from tisph.solvers.stokes import Unknowns
 
 SETTLED = 0.3
 """Part of the tolerance of a step, times the velocity, that m may be off by."""
@@ -85,6 +86,20 @@ class MeanVelocityControl:
         self.acceleration = acceleration
         equations.accelerate(acceleration)
         self.boundary.accelerate(acceleration)
+
+    def unknowns(self, dt: float) -> Unknowns:
+        """Return what the acceleration lacks as an unknown, with the mean velocity as its equation."""
+        from scipy.sparse import csr_matrix
+
+        walls, one = self.boundary.velocity.size, np.ones(1)
+        nothing, section = csr_matrix((walls, 1)), csr_matrix(self.weights[None])
+        wanted, response = np.array([self.problem.kept_mean_velocity]), self.response * self.scale * one
+        shape = nothing, nothing.T.tocsr(), one, 0.0 * one, 0.0 * one, section, wanted
+        return Unknowns(*shape, 0.0 * one, self.scale * one, response)
+
+    def take(self, equations: "Equations", lacking: np.ndarray) -> None:
+        """Add what the acceleration was found to lack."""
+        self._accelerate(equations, self.acceleration + float(lacking[0]))
 
     def correct(self, equations: "Equations") -> bool:
         """Change the acceleration by the mean velocity of the solution; return whether it had converged."""

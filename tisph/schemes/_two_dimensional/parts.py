@@ -21,6 +21,7 @@ MOST_ITERATIONS = 20
 if TYPE_CHECKING:
     from tisph.schemes._two_dimensional.equations import Equations
     from tisph.snapshot import Bodies
+    from tisph.solvers.stokes import Unknowns
 
 
 @ti.data_oriented
@@ -211,6 +212,12 @@ class Coupling(Protocol):
 
     def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
         """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
+
+    def unknowns(self, dt: float) -> "Unknowns":
+        """Return the unknowns of a step ``dt`` in a system that is solved for all of them together."""
+
+    def take(self, equations: "Equations", found: np.ndarray) -> None:
+        """Take the unknowns (m,) that were ``found`` by it."""
 
     def correct(self, equations: "Equations") -> bool:
         """Correct the unknowns by the flow of the last outer iteration; return whether they had converged."""

@@ -268,6 +268,8 @@ class SplittingScheme(ControlledScheme):
         least = 2 if boundary.bounded and not self.slow or extra_stress.nonlinear else 1
         curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
         rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
+        if self.slow:
+            equations.begin_together(dt, inertia)
         solved = True
         for outer in range(MOST_ITERATIONS):
             extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
@@ -278,7 +280,8 @@ class SplittingScheme(ControlledScheme):
             if outer > 0 and curls_vary:
                 boundary.update_normal_curls(equations.velocity.x)
             if self.slow:
-                solved = equations.solve_together(dt, viscosity, inertia, TOGETHER * self.tolerance * self.error_speed)
+                allowed = TOGETHER * self.tolerance * self.error_speed
+                solved = equations.solve_together(viscosity, allowed, self.couplings) and solved
             else:
                 boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
                 exact = self.couplings or outer >= least - 1

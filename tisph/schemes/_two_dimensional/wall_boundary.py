@@ -28,7 +28,7 @@ from tisph.schemes._two_dimensional.parts import Boundary, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
-from tisph.solvers.stokes import CarriedBodies, WallRows
+from tisph.solvers.stokes import WallRows
 
 LOAD_STEPS = 12
 """Last steps whose forces count."""
@@ -310,14 +310,6 @@ class WallBoundary(Boundary):
     def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the parts (count,) and (fluid,) of equations that hold: 1, where gaps hold particles."""
         return np.ones(self.walls.count), np.ones(self.problem.n_fluid)
-
-    def carried(self, dt: float, gamma0: float) -> CarriedBodies:
-        """Return the bodies whose velocities are unknowns of a step: none."""
-        none, given = np.empty(0), self.solver_velocity().astype(float)
-        return CarriedBodies(given, np.empty((given.size, 0)), given, given, none, none, none, none, none)
-
-    def carry(self, velocities: np.ndarray) -> None:
-        """Give the bodies their ``velocities`` (m,) at the end of a step."""
 
     def store_normal_curls(self) -> None:
         """Store the curl of the vorticity at the points as the newest level."""

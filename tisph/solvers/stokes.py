@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.runtime import view
+from tisph.runtime import real, ti, view
 from tisph.solvers.auxiliary_grid import WalledGrid
 
 STABILISATION = 0.1
@@ -101,6 +101,7 @@ class WallRows:
     strain: Any
 
 
+@ti.data_oriented
 class StokesSolver:
     """Solver at the points of least-squares ``operators``: the fluid's come first, those on walls after them.
 
@@ -111,29 +112,27 @@ class StokesSolver:
         self.operators, self.points, self.grid = operators, operators.points, grid
         self.components, self.spacing, self.axisymmetric = components, spacing, operators.axisymmetric
         self.iterations = 0
+        kinds = [ti.types.vector(numbers, real()) for numbers in (components + 1, 3, components)]
+        self.values, self.gradients, self.velocities = (ti.field(kind, self.points.slots + 1) for kind in kinds)
+        self.laplacians, self.by_x, self.by_y = (ti.field(kinds[0], self.points.capacity) for _ in range(3))
+        self.second_x, self.second_y = (ti.field(kinds[1], self.points.capacity) for _ in range(2))
+        self.diffused = ti.field(kinds[2], self.points.capacity)
+        self.potential = ti.field(real(), self.points.slots + 1)
+        self.of_potential = ti.field(kinds[1], self.points.capacity)
 
     def assemble(self, rows: WallRows) -> None:
         """Set the matrices of the present operators, with these equations at walls."""
         from scipy.sparse import csr_matrix, diags
 
-        points, self.rows = self.points, rows
+        points, self.rows, operators = self.points, rows, self.operators
         self.n, self.fluid = int(view(points.particles)), int(view(points.n_fluid))
-        n, fluid, count, table = self.n, self.fluid, view(points.count)[: self.n], view(points.neighbours)[: self.n]
-        listed = np.arange(points.row_capacity) < count[:, None]
-        own = np.arange(n, dtype=np.int32)[:, None]
-        used = np.hstack([np.ones_like(own, dtype=bool), listed])
-        columns = np.hstack([own, np.where(table < n, table, own)])[used]
-        begins = np.concatenate([[0], np.cumsum(count + 1)]).astype(np.int32)
-
-        def matrix(field: Any) -> Any:
-            weights = np.where(listed, view(field)[:n], 0.0).astype(float)
-            entries = np.hstack([-weights.sum(axis=1, keepdims=True), weights])[used]
-            return csr_matrix((entries, columns, begins), (n, n))
-
-        operators = self.operators
-        self.laplacian, self.d_dx, self.d_dy = map(matrix, (operators.laplacian, operators.d_dx, operators.d_dy))
-        self.diagonal = self.laplacian.diagonal()
-        self.at_walls, self.fluid_x, self.fluid_y = self.laplacian[fluid:], self.d_dx[:fluid], self.d_dy[:fluid]
+        n, fluid, walls = self.n, self.fluid, slice(self.fluid, self.n)
+        self.diagonal = view(operators.diagonal)[:n].astype(float)
+        table, listed = points.listed_neighbours(walls)
+        listed &= table < n
+        begins = np.concatenate([[0], np.cumsum(listed.sum(axis=1))])
+        entries = view(operators.laplacian)[walls][listed].astype(float), table[listed], begins
+        self.at_walls = csr_matrix(entries, (n - fluid, n))
         radius = self.radius = np.ones(n)
         if self.axisymmetric:
             radius = self.radius = view(points.position)[:n, 1] + float(view(operators.lowest_radius))
@@ -195,8 +194,8 @@ class StokesSolver:
         velocity[fluid:] += given * self.given
         force = given * self.force
         force[:, 0] += self.others.push @ others
-        both = np.hstack([velocity, pressure[:, None]])
-        laplacian, by_x, by_y = self.laplacian @ both, self.d_dx @ both, self.d_dy @ both
+        laplacian, *slopes = self.derivatives(velocity, pressure)
+        by_x, by_y = slopes
         viscous, gradient = laplacian[:, :components], np.stack([by_x[:, -1], by_y[:, -1]], axis=1)
         if self.axisymmetric:
             viscous[:, 1:] += 2.0 * by_y[:, 1:components]
@@ -204,17 +203,17 @@ class StokesSolver:
         momentum[:, :2] -= gradient
         # a second derivative: of the pressure in the fluid, of the vorticity (over r) at walls
         vorticity = by_x[:, 1] - by_y[:, 0]
-        second_x = self.d_dx @ np.stack([gradient[:, 0], vorticity], axis=1)
-        second_y = self.d_dy @ np.stack([gradient[:, 1], vorticity], axis=1)
+        second_x, second_y = self.derivatives_of(*gradient.T, vorticity)
         divergence = self.divergence_of(by_x[:, 0], by_y[:, 1], velocity[:, 1])
-        pressures = self.divergence_of(second_x[:, 0], second_y[:, 0], gradient[:, 1])
-        curl = self.across[0] * second_y[fluid:, 1] + self.across[1] * second_x[fluid:, 1]
+        pressures = self.divergence_of(second_x[:, 0], second_y[:, 1], gradient[:, 1])
+        curl = self.across[0] * second_y[fluid:, 2] + self.across[1] * second_x[fluid:, 2]
         if self.axisymmetric:
             curl += 2.0 * rows.weight * rows.normal[:, 0] * vorticity[fluid:]
         continuity = self.tau * laplacian[:, -1]
         continuity[:fluid] -= rows.open_fluid * (divergence + self.tau[:fluid] * pressures)
         if given and not rows.open_fluid.all():
-            forces = self.divergence_of(self.d_dx @ self.force[:, 0], self.d_dy @ self.force[:, 1], self.force[:, 1])
+            by_x, by_y = self.derivatives_of(self.force[:, 0], self.force[:, 1], 0.0)
+            forces = self.divergence_of(by_x[:, 0], by_y[:, 1], self.force[:, 1])
             kept = self.tau[:fluid] * (forces - self.sigma * self.divergence)
             continuity[:fluid] -= (1.0 - rows.open_fluid) * kept
         acceleration = force[fluid:] - self.sigma * velocity[fluid:]
@@ -222,7 +221,7 @@ class StokesSolver:
         wanted = rows.open_walls * (pushed - self.viscosity[fluid:, 0] * curl)
         continuity[fluid:] = self.tau[fluid:] * (wanted - laplacian[fluid:, -1])
         continuity -= continuity.mean()
-        rest = self.residual_of_others(velocity, pressure, others, by_x, by_y, given)
+        rest = self.residual_of_others(velocity, pressure, others, *slopes, given)
         return np.concatenate([momentum[:fluid].ravel(), continuity, rest])
 
     def divergence_of(self, by_x: np.ndarray, by_y: np.ndarray, across: np.ndarray) -> np.ndarray:
@@ -261,8 +260,7 @@ class StokesSolver:
         momentum, continuity = residual[:count].reshape(-1, components), residual[count : count + self.n]
         pressure = self.pressure_for(continuity)
         momentum = momentum.copy()
-        momentum[:, 0] -= self.fluid_x @ pressure
-        momentum[:, 1] -= self.fluid_y @ pressure
+        momentum[:, :2] -= self.of_pressure(pressure)[:fluid, 1:]
         correction[:count] = self.velocity_for(momentum).ravel()
         correction[count : count + self.n] = self.units[count] * pressure
         return correction
@@ -273,14 +271,14 @@ class StokesSolver:
         phi = np.concatenate([continuity[:fluid], np.zeros(self.n - fluid)])
         wanted = continuity[fluid:] / (self.tau * viscosity)[fluid:]
         for _ in range(1 + WALL_SWEEPS):
-            phi[fluid:] += (wanted - self.at_walls @ phi) / self.diagonal[fluid:]
+            phi[fluid:] += (wanted - self.row_of_walls(phi)) / self.diagonal[fluid:]
         pressure = viscosity * phi
         if self.sigma:
             right = np.concatenate([continuity[:fluid] - continuity[:fluid].mean(), np.zeros(self.n - fluid)])
             smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
-            swept = PRESSURE_SWEEP * (right + self.laplacian @ smooth) / -self.diagonal
+            swept = PRESSURE_SWEEP * (right + self.of_pressure(smooth)[:, 0]) / -self.diagonal
             smooth[:fluid] += swept[:fluid]
-            smooth[fluid:] -= (self.at_walls @ smooth) / self.diagonal[fluid:]
+            smooth[fluid:] -= self.row_of_walls(smooth) / self.diagonal[fluid:]
             pressure += self.sigma * smooth
         return pressure - pressure.mean()
 
@@ -293,12 +291,83 @@ class StokesSolver:
 
     def viscous(self, velocity: np.ndarray) -> np.ndarray:
         """Return sigma u - nu L u for velocities (fluid, components) that are 0 on walls."""
-        whole = np.zeros((self.n, self.components))
-        whole[: self.fluid] = velocity
-        laplacian = (self.laplacian @ whole)[: self.fluid]
-        if self.axisymmetric:
-            laplacian[:, 1:] += 2.0 * (self.d_dy @ whole[:, 1:])[: self.fluid]
-        return self.sigma * velocity - self.viscosity[: self.fluid] * laplacian
+        view(self.velocities)[: self.fluid] = velocity
+        self.diffuse()
+        return self.sigma * velocity - self.viscosity[: self.fluid] * view(self.diffused)[: self.fluid]
+
+    def row_of_walls(self, values: np.ndarray) -> np.ndarray:
+        """Return the rows (count,) of the Laplacian's matrix at walls times ``values`` (points,)."""
+        return self.at_walls @ values + self.diagonal[self.fluid :] * values[self.fluid :]
+
+    def derivatives(self, velocity: np.ndarray, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return Laplacian and derivatives by x and y (points, components + 1), the last ones those of the pressure."""
+        every, values = slice(self.n), view(self.values)
+        values[every, : self.components], values[every, self.components] = velocity, pressure
+        self.differentiate()
+        laplacian, by_x, by_y = (view(field)[every].astype(float) for field in (self.laplacians, self.by_x, self.by_y))
+        return laplacian, by_x, by_y
+
+    def derivatives_of(self, first: Any, second: Any, third: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Return the derivatives by x and y (points, 3) of three fields (points,)."""
+        every, values = slice(self.n), view(self.gradients)
+        values[every, 0], values[every, 1], values[every, 2] = first, second, third
+        self.differentiate_again()
+        return view(self.second_x)[every].astype(float), view(self.second_y)[every].astype(float)
+
+    def of_pressure(self, pressure: np.ndarray) -> np.ndarray:
+        """Return Laplacian and derivatives (points, 3) of a pressure (points,)."""
+        view(self.potential)[: self.n] = pressure
+        self.differentiate_potential()
+        return view(self.of_potential)[: self.n].astype(float)
+
+    @ti.kernel
+    def differentiate(self):
+        """Compute Laplacian and gradient of the ``values``."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            own = self.values[i]
+            laplacian, by_x, by_y = 0.0 * own, 0.0 * own, 0.0 * own
+            for k in range(self.points.count[i]):
+                apart = self.values[self.points.neighbours[i, k]] - own
+                laplacian += self.operators.laplacian[i, k] * apart
+                by_x += self.operators.d_dx[i, k] * apart
+                by_y += self.operators.d_dy[i, k] * apart
+            self.laplacians[i], self.by_x[i], self.by_y[i] = laplacian, by_x, by_y
+
+    @ti.kernel
+    def differentiate_again(self):
+        """Compute the gradients of the ``gradients``."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            own = self.gradients[i]
+            by_x, by_y = 0.0 * own, 0.0 * own
+            for k in range(self.points.count[i]):
+                apart = self.gradients[self.points.neighbours[i, k]] - own
+                by_x += self.operators.d_dx[i, k] * apart
+                by_y += self.operators.d_dy[i, k] * apart
+            self.second_x[i], self.second_y[i] = by_x, by_y
+
+    @ti.kernel
+    def differentiate_potential(self):
+        """Compute Laplacian and gradient of the ``potential``."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            own, total = self.potential[i], ti.Vector([0.0, 0.0, 0.0])
+            for k in range(self.points.count[i]):
+                apart = self.potential[self.points.neighbours[i, k]] - own
+                weights = ti.Vector([self.operators.laplacian[i, k], self.operators.d_dx[i, k], self.operators.d_dy[i, k]])
+                total += weights * apart
+            self.of_potential[i] = total
+
+    @ti.kernel
+    def diffuse(self):
+        """Compute the Laplacian of the ``velocities``, which are 0 on walls."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            total = self.operators.apply(self.operators.laplacian, self.velocities, i)
+            if ti.static(self.axisymmetric):
+                total += self.operators.hoop(self.velocities, i)
+            self.diffused[i] = total
 
     def iterate(self, unknowns: np.ndarray, allowed: float) -> tuple[np.ndarray, bool]:
         """Return better ``unknowns``, by GMRES, and whether their error is ``allowed``."""

@@ -265,7 +265,12 @@ class WalledGrid(AuxiliaryGrid):
         lower, upper = (np.maximum(row * height + self.box.origin[1] + side * height, 0.0) for side in (-0.5, 0.5))
         volume = (upper ** (power + 1) - lower ** (power + 1)) / ((power + 1) * height) if power else np.ones(len(row))
         diagonal, entries = np.full(len(inside), float(sigma)), []
-        sides = ((0, 1, width, volume), (0, -1, width, volume), (1, 0, height, upper**power), (-1, 0, height, lower**power))
+        sides = (
+            (0, 1, width, volume),
+            (0, -1, width, volume),
+            (1, 0, height, upper**power),
+            (-1, 0, height, lower**power),
+        )
         for up, right, apart, face in sides:
             other = (row + up) % rows * columns + (column + right) % columns
             here, there = self.node_distance[inside], self.node_distance[other]

@@ -32,11 +32,18 @@ class Equations:
     """The ``forcing`` (points,) of a step, its solvers of ``pressure`` and ``velocity``, and the body ``acceleration``.
 
     ``extrapolated`` (points,): velocities extrapolated to the end of the step, from which the solvers start and from
-    which the error is estimated. ``iterations``: of both solvers in the present step.
+    which the error is estimated. ``together``: whether one system, of ``stokes``, is solved for everything.
+    ``iterations``: of both solvers in the present step.
     """
 
     def __init__(
-        self, problem: Any, levels: TimeLevels, grid: Any, boundary: Boundary, extra_stress: ExtraStress
+        self,
+        problem: Any,
+        levels: TimeLevels,
+        grid: Any,
+        boundary: Boundary,
+        extra_stress: ExtraStress,
+        together: bool,
     ) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.coordinates, self.boundary, self.extra_stress = levels.coordinates, boundary, extra_stress
@@ -48,7 +55,7 @@ class Equations:
         self.velocity = BiCGStab(extra_stress.operators, width=components, hoop=self.coordinates.axisymmetric)
         self.for_pressure = TwoLevel(self.pressure, grid, boundary.bounded)
         self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
-        self.together = StokesSolver(self.operators, grid, components, self.spacing) if boundary.bounded else None
+        self.stokes: Any = StokesSolver(self.operators, grid, components, self.spacing) if together else None
         self.forcing, self.extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -86,26 +93,23 @@ class Equations:
         self.iterations[1] += self.velocity.iterations
         return solved
 
-    def begin_together(self, dt: float, gamma0: float) -> None:
-        """Begin to solve for everything together in a step, whose operators are known."""
-        self.together.assemble(self.boundary.rows())
-        self.duration, self.together_gamma0 = dt, gamma0
+    def solve_together(
+        self, dt: float, viscosity: float, gamma0: float, tolerance: float, couplings: Sequence[Coupling]
+    ) -> bool:
+        """Solve for velocities, pressure and the unknowns of the ``couplings`` at once, equations (9) to (12).
 
-    def solve_together(self, viscosity: float, tolerance: float, couplings: Sequence[Coupling]) -> bool:
-        """Solve for velocities, pressure and the unknowns of the ``couplings`` at once; return whether it was solved.
-
-        ``tolerance``: root mean square error of the velocities. Equations (9) to (12).
+        ``tolerance``: root mean square error of the velocities. Return whether the system was solved.
         """
-        together, n, fluid = self.together, int(view(self.points.particles)), int(view(self.points.n_fluid))
-        together.set_step(self.together_gamma0 / self.duration, self.extra_stress.local_viscosities(viscosity, n))
+        n, fluid, stokes = int(view(self.points.particles)), int(view(self.points.n_fluid)), self.stokes
+        stokes.set_step(gamma0 / dt, self.extra_stress.local_viscosities(viscosity, n))
         velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
-        force = view(self.forcing)[:n] / self.duration + view(self.acceleration)
-        blocks = [coupling.unknowns(self.duration) for coupling in couplings]
+        force = view(self.forcing)[:n] / dt + view(self.acceleration)
+        blocks = [coupling.unknowns(dt) for coupling in couplings]
         others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
         divergence = view(self.levels.divergence)[:fluid]
-        solved, found = together.solve(velocity, pressure, force, divergence, others, tolerance)
+        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
-        self.iterations[0] += together.iterations
+        self.iterations[0] += stokes.iterations
         for coupling, block in zip(couplings, blocks, strict=True):
             coupling.take(self, found[: len(block.load)])
             found = found[len(block.load) :]

@@ -479,7 +479,9 @@ class FreeBodyCoupling:
         rest = 0.0 * boundary.loads.strain(boundary.velocity)
         stress = boundary.extra_stress.implicit_wall_stress(rest)
         known = boundary.loads.tractions(np.zeros(len(boundary.normals)), boundary.normals, rest, stress)[0]
-        inertia, load, response, arm, now = (each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities))
+        inertia, load, response, arm, now = (
+            each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities)
+        )
         displaced = np.zeros_like(free.mass)
         displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
         none, points = np.zeros_like(now), boundary.problem.particles

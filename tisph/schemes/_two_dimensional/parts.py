@@ -21,7 +21,7 @@ MOST_ITERATIONS = 20
 if TYPE_CHECKING:
     from tisph.schemes._two_dimensional.equations import Equations
     from tisph.snapshot import Bodies
-    from tisph.solvers.stokes import Unknowns
+    from tisph.solvers.stokes import Unknowns, WallRows
 
 
 @ti.data_oriented
@@ -53,7 +53,7 @@ class ExtraStress:
         return divergence
 
     def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
-        """Return the viscosities (points,) of the implicit part of the stress: the constant ``viscosity`` of the step."""
+        """Return the viscosities (points,) of the implicit part of the stress: the ``viscosity`` of the step."""
         return np.full(points, viscosity)
 
     def begin(self) -> None:
@@ -134,6 +134,10 @@ class Boundary:
     def solver_velocity(self) -> np.ndarray:
         """Return the velocities (count, components) that the solver has at the points on walls."""
         return self.velocity
+
+    def rows(self) -> "WallRows":
+        """Return the equations of velocity and pressure at the points, of a ``StokesSolver``."""
+        raise NotImplementedError
 
     def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
         """Set the right-hand side of the pressure at walls, equation (8), for the present forcing and velocity."""

@@ -60,10 +60,7 @@ COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
 INSTANT = 1e-6
-"""Length of a step that finds the flow at one time, over the longest step."""
-
-TOGETHER = 0.01
-"""Error of their solution over the error of a step."""
+"""Length of a step that finds the flow of one time, over the longest step."""
 
 REORDER_INTERVAL = 100
 """Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
@@ -112,11 +109,12 @@ class SplittingScheme(ControlledScheme):
         if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
-        self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress)
         self.slow = limits.is_slow(problem, courant)
+        self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
         self.residuals = limits.residuals(self.tolerance, rounding)
+        self.residual_together = max(limits.TOGETHER * self.tolerance, rounding)
         self.reset()
 
     def reset(self) -> None:
@@ -143,8 +141,7 @@ class SplittingScheme(ControlledScheme):
         view(levels.step_weights)[...] = 0.0
         levels.move_points()
         if not self.problem.inertia:
-            self.extra_stress.begin()
-            self.settle(before=True)
+            self.start_without_inertia()
             return
         self.assemble(self.time)
         solved = self.boundary.apply_impulse(self.equations, residual)
@@ -200,26 +197,26 @@ class SplittingScheme(ControlledScheme):
             raise self.diverged(TOO_LONG)
         self.accept_step(dt)
 
-    def settle(self, before: bool = False) -> None:
-        """Without inertia: find the flow at the present time, by a step in which next to nothing moves.
-
-        It is the first one, ``before`` the start, or follows a jump of the walls.
-        """
+    def settle(self) -> None:
+        """Without inertia: find the flow of the present time by a step in which next to nothing moves."""
         dt = INSTANT * self.control.limit(self.speed)
-        time = self.time
-        if before:
-            self.time -= dt
-            self.boundary.begin_without_inertia(self.time)
         error, _ = self.attempt(dt)
         if math.isinf(error):
             raise self.diverged("no velocities are found for the walls")
         self.accept_step(dt)
         self.dts = []
         self.boundary.forget()
-        if before:
-            self.reset_steps(time)
-            self.iterations = [0.0, 0.0]
         self.begin_steps()
+
+    def start_without_inertia(self) -> None:
+        """Find the first flow, of which no earlier one is a part, by a step that ends at the start."""
+        start = self.time
+        self.time -= INSTANT * self.control.limit(self.speed)
+        self.extra_stress.begin()
+        self.boundary.begin_without_inertia(self.time)
+        self.settle()
+        self.reset_steps(start)
+        self.iterations = [0.0, 0.0]
 
     def attempt(self, dt: float) -> tuple[float, int]:
         """Compute velocity and pressure at the end of a step; return the error, over the velocity, and its order.
@@ -237,7 +234,8 @@ class SplittingScheme(ControlledScheme):
                (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g)   (3);
 
            a second one uses the stress, and the curl of the vorticity at walls, of the velocities that the first has
-           found; with couplings (free bodies, a kept mean velocity) they go on until these have converged;
+           found; with couplings (free bodies, a kept mean velocity) they go on until these have converged. In slow
+           flow each solves (9) to (12) instead, for the couplings' unknowns as well (``solvers/stokes.py``);
         5. the difference from the extrapolated velocities gives the error (5).
         """
         if self.time + 0.1 * dt == self.time:
@@ -265,11 +263,9 @@ class SplittingScheme(ControlledScheme):
         decay = limits.decay_rate(viscosity, self.speed, self.problem.spacing)
         retained = max(0.0, gamma0 - decay * dt)
         forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
-        least = 2 if boundary.bounded and not self.slow or extra_stress.nonlinear else 1
+        least = 2 if (boundary.bounded and not self.slow) or extra_stress.nonlinear else 1
         curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
         rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
-        if self.slow:
-            equations.begin_together(dt, inertia)
         solved = True
         for outer in range(MOST_ITERATIONS):
             extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
@@ -280,8 +276,8 @@ class SplittingScheme(ControlledScheme):
             if outer > 0 and curls_vary:
                 boundary.update_normal_curls(equations.velocity.x)
             if self.slow:
-                allowed = TOGETHER * self.tolerance * self.error_speed
-                solved = equations.solve_together(viscosity, allowed, self.couplings) and solved
+                allowed = self.residual_together * self.error_speed
+                solved = equations.solve_together(dt, viscosity, inertia, allowed, self.couplings) and solved
             else:
                 boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
                 exact = self.couplings or outer >= least - 1
@@ -319,6 +315,8 @@ class SplittingScheme(ControlledScheme):
         self.operators.assemble()
         self.grid.sort()
         self.boundary.impose_neumann_rows()
+        if self.slow:
+            self.equations.stokes.assemble(self.boundary.rows())
 
     def require_solution(self, solved: bool) -> None:
         """Raise DivergedError where the linear systems have none."""

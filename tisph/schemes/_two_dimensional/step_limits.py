@@ -29,6 +29,9 @@ from step to step; with 5 times the residual of the pressure, forces on bodies h
 always, 25 across between cylinders, velocities differ by 3 % of their errors (accuracy ``balanced``) and 0.1 %
 (``fast``)."""
 
+TOGETHER = 0.01
+"""The same, of velocities and pressure that are solved for together: errors of the velocities."""
+
 ROUNDING = 30.0
 """The least residual that is asked for, in units of the rounding error."""
 
@@ -92,7 +95,7 @@ def is_slow(case: Any, courant: float) -> bool:
     So they are between walls where that step is ``LONGER`` than the splitting's longest one.
     """
     longest = courant * case.spacing / case.reference_velocity
-    return not case.inertia or bool(case.bodies) and longest > LONGER * viscous_step(case)
+    return not case.inertia or (bool(case.bodies) and longest > LONGER * viscous_step(case))
 
 
 def first_step(longest: float, case: Any) -> float:

@@ -89,7 +89,7 @@ class Scene(BetweenCylinders):
     def _creeps(self) -> bool:
         """Whether Stokes flow is the reference."""
         reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
-        return self.rheology is None and reynolds <= CREEPING
+        return self.rheology is None and (not self.inertia or reynolds <= CREEPING)
 
     def stokes(self, inner: Any, outer: Any) -> EccentricCylinders:
         """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
@@ -110,14 +110,15 @@ class Scene(BetweenCylinders):
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
         """Return ``LOADS``, each also ``_exact``, errors of velocity and pressure, and whether the flow is steady.
 
-        Errors and exact values are None unless the flow is steady (``measures/resolution.py``) and slow (``CREEPING``).
+        Errors and exact values are None unless the flow is without inertia, or is steady (``measures/resolution.py``)
+        and slow (``CREEPING``).
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), the mean of p - p_exact being subtracted. Further
         ``kinetic_energy`` per mass, and ``planar_diagnostics``.
         """
         # the torque decides: a mean over the particles scatters as they move on
         state = steadiness(self, snapshot.t, series, 1, "inner torque")
         errors: dict[str, Any] = dict.fromkeys(("l2_pressure", *EXACT_LOADS))
-        if state["steady"] and self._creeps:
+        if self._creeps and (state["steady"] or not self.inertia):
             flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
             pressure = flow.pressure(snapshot.x, snapshot.y, dynamic_viscosity=self.dynamic_viscosity)
             shifted = snapshot.pressure - np.mean(snapshot.pressure - pressure)

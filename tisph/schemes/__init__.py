@@ -70,6 +70,13 @@ def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
         found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
         if found and scheme != "implicit":
             yield "scheme.type", f"{scheme} has no {kind} (walls.{found[0]}); take implicit"
+    walled = not all(config.periodic) or getattr(config, "bodies", None)
+    if not config.fluid.inertia and (scheme == "wcsph" or config.parallel or not walled):
+        yield "fluid.inertia", "must be true but in two-dimensional flow between walls or past bodies, by implicit"
+    elif not config.fluid.inertia and config.singular:
+        yield "fluid.inertia", "must be true beside corners at which the velocities of walls jump"
+    elif not config.fluid.inertia and config.has_exact_velocity:
+        yield "fluid.inertia", f"must be true in scene {config.scene}, whose reference has inertia"
     name = config.fluid.rheology.type
     if scheme == "wcsph" and name not in EXPLICIT_RHEOLOGIES:
         yield "scheme.type", f"wcsph has no {name} fluid; take implicit"

@@ -96,8 +96,6 @@ def orders(config: Any) -> tuple[float, float]:
 def problems(config: Any) -> Iterator["Problem"]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "implicit")
-    if not config.fluid.inertia and (config.parallel or (all(config.periodic) and not getattr(config, "bodies", None))):
-        yield "fluid.inertia", "must be true but in two-dimensional flow between walls or past bodies"
     if not config.parallel:
         yield from _problems_in_two_dimensions(config)
         return

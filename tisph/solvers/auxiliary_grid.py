@@ -249,7 +249,7 @@ class WalledGrid(AuxiliaryGrid):
         first are over r, and have the Laplacian (1/r^3) d(r^3 d/dr)/dr.
         """
         self.powers = [1, 3, 3][:components] if self.box.axisymmetric else [0] * components
-        self.inside = np.flatnonzero(self.node_distance > 0.0)
+        self.in_fluid = np.flatnonzero(self.node_distance > 0.0)
         self.velocity_factors = {power: self.factors_of(sigma, viscosity, power) for power in set(self.powers)}
 
     def factors_of(self, sigma: float, viscosity: np.ndarray, power: int) -> Any:
@@ -259,7 +259,7 @@ class WalledGrid(AuxiliaryGrid):
 
         rows, columns = self.shape
         width, height = self.box.length / columns, self.box.height / rows
-        inside, number = self.inside, np.full(rows * columns, -1)
+        inside, number = self.in_fluid, np.full(rows * columns, -1)
         number[inside] = np.arange(len(inside))
         row, column = np.divmod(inside, columns)
         lower, upper = (np.maximum(row * height + self.box.origin[1] + side * height, 0.0) for side in (-0.5, 0.5))
@@ -286,5 +286,5 @@ class WalledGrid(AuxiliaryGrid):
         """Return the solutions for ``values`` (nodes, components)."""
         result = np.zeros_like(values)
         for component, power in enumerate(self.powers):
-            result[self.inside, component] = self.velocity_factors[power].solve(values[self.inside, component])
+            result[self.in_fluid, component] = self.velocity_factors[power].solve(values[self.in_fluid, component])
         return result

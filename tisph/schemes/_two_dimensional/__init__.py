@@ -15,7 +15,7 @@ from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
-from tisph.schemes._two_dimensional.step_limits import FIRST, TOLERANCE, courant_speed, viscous_step
+from tisph.schemes._two_dimensional.step_limits import TOLERANCE, courant_speed, first_step, is_slow, viscous_step
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
@@ -33,6 +33,9 @@ NOT_NEWTONIAN = 1.7
 
 FREE = 4.0
 """Factor of the cost of a particle with bodies that the flow carries."""
+
+TOGETHER = 4.0
+"""Factor of the cost of a particle in slow flow, where velocity and pressure are solved for together."""
 
 STARTED = 60
 """Steps that a start from rest takes in addition to the steps of the longest length, with the usual tolerance: 30 to
@@ -200,12 +203,15 @@ def _steps(config: Any) -> tuple[float | None, float]:
 def estimates(config: Any, scene: Any) -> SchemeEstimates:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
-    limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene), "viscous": viscous_step(scene)}
+    slow = is_slow(scene, courant)
+    limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene)}
+    if not slow:
+        limits["viscous"] = viscous_step(scene)
     binding = min(limits, key=lambda name: limits[name])
     counts = _guessed_steps(scene, [*config.time.samples, config.time.end], tolerance, courant)
     known = "u" in scene.fields
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
-    cost *= FREE if scene.has_free_bodies else 1.0
+    cost *= TOGETHER if slow else FREE if scene.has_free_bodies else 1.0
     judged_by = JUDGED_BY if scene.polymer else JUDGED_BY[:1]
     factors = KNOWN if known else GUESSED
     sample = SampleEstimate(0.0, 0, steps_reliable=known, steps_factors=factors, judged_by=judged_by)
@@ -229,9 +235,13 @@ def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, c
     turns = scene.axisymmetric and not (scene.acceleration or scene.kept_mean_velocity or scene.has_free_bodies)
     turns = turns and not any(body.motion.x.largest_speed for body in scene.bodies)
     speed = courant_speed(0.0 if turns else scene.reference_velocity, scene)
-    longest = min(courant * scene.spacing / speed, viscous_step(scene))
+    longest = courant * scene.spacing / speed
+    if not is_slow(scene, courant):
+        longest = min(longest, viscous_step(scene))
     # steps that grow, less their time
-    begin = np.log(1 / FIRST) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (1 - 1 / LARGEST_MULTISTEP_FACTOR)
+    begin = np.log(longest / first_step(longest, scene)) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (
+        1 - 1 / LARGEST_MULTISTEP_FACTOR
+    )
     started = STARTED * (TOLERANCE / tolerance) ** 0.25 if tolerance else 0.0
     begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
     return [

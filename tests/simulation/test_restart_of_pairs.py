@@ -55,6 +55,11 @@ CASES = {
         lambda x, y, t: (np.sin(6.0 * y) * (1.0 + t), np.cos(6.0 * x)),
         ("velocity", "contact_force", "stress_xy"),
     ),
+    "free bodies, contact, no inertia": (
+        {**TOUCHING, "fluid": fluid(0.1, inertia=False)},
+        None,
+        ("velocity", "contact_force"),
+    ),
 }
 """Config, body force, and numbers of a snapshot that are not 0 if the features are there."""
 

@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.runtime import real, ti, view
+from tisph.runtime import ti, view
 from tisph.solvers.auxiliary_grid import WalledGrid
 
 STABILISATION = 0.1
@@ -116,12 +116,13 @@ class StokesSolver:
         self.operators, self.points, self.grid = operators, operators.points, grid
         self.components, self.spacing, self.axisymmetric = components, spacing, operators.axisymmetric
         self.iterations = 0
-        kinds = [ti.types.vector(numbers, real()) for numbers in (components + 1, 3, components)]
+        # in double precision whatever the particles have: residuals are differences of large numbers
+        kinds = [ti.types.vector(numbers, ti.f64) for numbers in (components + 1, 3, components)]
         self.values, self.gradients, self.velocities = (ti.field(kind, self.points.slots + 1) for kind in kinds)
         self.laplacians, self.by_x, self.by_y = (ti.field(kinds[0], self.points.capacity) for _ in range(3))
         self.second_x, self.second_y = (ti.field(kinds[1], self.points.capacity) for _ in range(2))
         self.diffused = ti.field(kinds[2], self.points.capacity)
-        self.potential = ti.field(real(), self.points.slots + 1)
+        self.potential = ti.field(ti.f64, self.points.slots + 1)
         self.of_potential = ti.field(kinds[1], self.points.capacity)
 
     def assemble(self, rows: WallRows) -> None:
@@ -310,21 +311,20 @@ class StokesSolver:
         every, values = slice(self.n), view(self.values)
         values[every, : self.components], values[every, self.components] = velocity, pressure
         self.differentiate()
-        laplacian, by_x, by_y = (view(field)[every].astype(float) for field in (self.laplacians, self.by_x, self.by_y))
-        return laplacian, by_x, by_y
+        return view(self.laplacians)[every].copy(), view(self.by_x)[every], view(self.by_y)[every]
 
     def derivatives_of(self, first: Any, second: Any, third: Any) -> tuple[np.ndarray, np.ndarray]:
         """Return the derivatives by x and y (points, 3) of three fields (points,)."""
         every, values = slice(self.n), view(self.gradients)
         values[every, 0], values[every, 1], values[every, 2] = first, second, third
         self.differentiate_again()
-        return view(self.second_x)[every].astype(float), view(self.second_y)[every].astype(float)
+        return view(self.second_x)[every], view(self.second_y)[every]
 
     def of_pressure(self, pressure: np.ndarray) -> np.ndarray:
         """Return Laplacian and derivatives (points, 3) of a pressure (points,)."""
         view(self.potential)[: self.n] = pressure
         self.differentiate_potential()
-        return view(self.of_potential)[: self.n].astype(float)
+        return view(self.of_potential)[: self.n]
 
     @ti.kernel
     def differentiate(self):
@@ -358,7 +358,8 @@ class StokesSolver:
         """Compute Laplacian and gradient of the ``potential``."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
-            own, total = self.potential[i], ti.Vector([0.0, 0.0, 0.0])
+            own = self.potential[i]
+            total = ti.Vector([0.0 * own, 0.0 * own, 0.0 * own])
             for k in range(self.points.count[i]):
                 apart = self.potential[self.points.neighbours[i, k]] - own
                 total[0] += self.operators.laplacian[i, k] * apart

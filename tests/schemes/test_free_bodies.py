@@ -124,7 +124,7 @@ def test_first_acceleration_is_found_however_exactly_the_pressure_is_solved():
 def test_cylinder_in_slow_shear_rotates_as_by_finite_elements(density):
     bodies, _ = ended(changed(SHEAR, density=density))
     assert bodies.angular_velocity[0] == pytest.approx(-0.482223, rel=6e-3)  # 4e-3; 6e-4 with 40 across, third order
-    assert np.abs(bodies.velocity[0]).max() < 1e-3
+    assert np.abs(bodies.velocity[0]).max() < 2e-3
     assert abs(bodies.torque[0]) < 1e-3  # of 0.1, what holds one that does not turn
 
 

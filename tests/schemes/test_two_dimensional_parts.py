@@ -91,7 +91,7 @@ FLOWS = {
 
 def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
     scene = SimpleNamespace(
-        reference_velocity=1.0, bodies=(), rheology=None, spacing=0.1, start_time=0.0, axisymmetric=False
+        inertia=True, reference_velocity=1.0, bodies=(), rheology=None, spacing=0.1, start_time=0.0, axisymmetric=False
     )
     found = []
     for changes in ((), (2.0,), (0.5,)):

@@ -81,7 +81,7 @@ def test_little_inertia_leads_to_the_same_flow():
         scheme = simulation.scheme
         assert off_stokes(simulation.scene, scheme.snapshot(), 5.0) < 2e-4
         limit = 5.0 * scheme.problem.spacing**2 / 10.0  # viscous number of the splitting, nu dt / spacing^2 = 5
-        assert scheme.steps < 0.2 * 5.0 / limit  # of which most are at the start, where the flow changes
+        assert scheme.steps < 0.2 * 5.0 / limit  # mostly at the start, where the flow changes
 
 
 @pytest.mark.parametrize("density", [0.0, 1.0])

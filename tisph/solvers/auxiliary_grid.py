@@ -176,13 +176,13 @@ class WalledGrid(AuxiliaryGrid):
     the limit of many particles: the integral of grad(test) . grad(trial), over the area of a particle. It depends only
     on the positions of the walls: where walls rest, or move along themselves, it is factorised once. In axisymmetric
     flow an element is also weighted by its distance from the axis, and rows are divided by the volume of a node.
-    ``set_walls`` comes before the first ``invert``.
+    ``set_walls`` comes before the first ``invert``. ``velocities``: whether the grid serves them as well.
     """
 
-    def __init__(self, points: PointCloud, box: Any):
+    def __init__(self, points: PointCloud, box: Any, velocities: bool = False):
         rows, columns = (max(1, round(number / COARSENING)) for number in (box.rows, box.columns))
         super().__init__(points, box, box.height, (rows, columns), 1.0)
-        self.box = box
+        self.box, self.velocities = box, velocities
 
     def set_walls(self, distance: Callable[[np.ndarray], np.ndarray]) -> None:
         """Assemble and factorise the matrix.
@@ -209,7 +209,8 @@ class WalledGrid(AuxiliaryGrid):
             area, volume = (np.bincount(corners.ravel(), np.tile(each, 4)) for each in (part, volumes))
             matrix = (diags(np.divide(area, volume, out=np.zeros_like(area), where=volume > 0.0)) @ matrix).tocsc()
         diagonal = matrix.diagonal()
-        self.node_distance = distance(np.stack([column * width, row * height], axis=1))
+        if self.velocities:
+            self.node_distance = distance(np.stack([column * width, row * height], axis=1))
         self.active = np.flatnonzero(diagonal > EMPTY * diagonal.max())
         floating = FLOATING * diagonal.max() * identity(len(self.active), format="csc")
         self.factors = splu(matrix[self.active][:, self.active] + floating)
@@ -217,9 +218,7 @@ class WalledGrid(AuxiliaryGrid):
     def invert(self, field: Any, sigma: float, coefficient: float) -> None:
         """Replace f at the nodes by (- ``coefficient`` Laplacian)^-1 f; ``sigma`` is 0."""
         values = view(field)[: self.shape[0] * self.shape[1]]
-        found = self.factors.solve(values[self.active].astype(float) / coefficient)
-        values[...] = 0.0
-        values[self.active] = found
+        values[...] = self.invert_pressure(values.astype(float) / coefficient)
 
     def invert_pressure(self, values: np.ndarray) -> np.ndarray:
         """Return (-Laplacian)^-1 of ``values`` (nodes,)."""

@@ -29,6 +29,7 @@ import numpy as np
 
 from tisph.runtime import ti, view
 from tisph.solvers.auxiliary_grid import WalledGrid
+from tisph.solvers.bicgstab import DAMPING
 
 STABILISATION = 0.1
 """tau over spacing^2/nu. Velocities between eccentric cylinders have errors that are the same within 30 % from 0.01 to
@@ -36,9 +37,6 @@ STABILISATION = 0.1
 
 SWEEP, WALL_SWEEPS = 0.7, 2
 """Damping of the Jacobi sweeps over velocities, and number of sweeps over the rows of walls."""
-
-PRESSURE_SWEEP = 0.8
-"""The same of the sweep over pressures."""
 
 FEW_AROUND = 0.3
 """Weight of the particles around a node below which their mean counts less."""
@@ -232,7 +230,7 @@ class StokesSolver:
         return np.concatenate([momentum[:fluid].ravel(), continuity, rest])
 
     def divergence_of(self, by_x: np.ndarray, by_y: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """Return the divergence (fluid,) for derivatives (points,) of two components, of which one is ``across``."""
+        """Return the divergence (fluid,) by derivatives (points,) of the components along x and ``across`` it."""
         fluid = slice(self.fluid)
         divergence = by_x[fluid] + self.radius[fluid] ** 2 * by_y[fluid]
         return divergence + 2.0 * across[fluid] if self.axisymmetric else divergence
@@ -283,7 +281,7 @@ class StokesSolver:
         if self.sigma:
             right = np.concatenate([continuity[:fluid] - continuity[:fluid].mean(), np.zeros(self.n - fluid)])
             smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
-            swept = PRESSURE_SWEEP * (right + self.of_pressure(smooth)[:, 0]) / -self.diagonal
+            swept = DAMPING * (right + self.of_pressure(smooth)[:, 0]) / -self.diagonal
             smooth[:fluid] += swept[:fluid]
             smooth[fluid:] -= self.row_of_walls(smooth) / self.diagonal[fluid:]
             pressure += self.sigma * smooth

@@ -470,7 +470,7 @@ class FreeBodyCoupling:
         self.curl_scale = bodies.viscosity * dt / gamma0 / math.sqrt(walls.count)
 
     def unknowns(self, dt: float) -> Unknowns:
-        """Return the velocities of the bodies in a step ``dt``, but for what is held, as unknowns."""
+        """Return the velocities of the bodies in a step ``dt`` as unknowns, without held components."""
         from scipy.sparse import csr_matrix, diags
 
         free, boundary, moves = self.bodies, self.boundary, self.bodies.moves.ravel()

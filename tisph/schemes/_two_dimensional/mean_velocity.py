@@ -88,7 +88,7 @@ class MeanVelocityControl:
         self.boundary.accelerate(acceleration)
 
     def unknowns(self, dt: float) -> Unknowns:
-        """Return what the acceleration lacks as an unknown, with the mean velocity as its equation."""
+        """Return the correction of the acceleration as an unknown, with the mean velocity as its equation."""
         from scipy.sparse import csr_matrix
 
         walls, one = self.boundary.velocity.size, np.ones(1)
@@ -97,9 +97,9 @@ class MeanVelocityControl:
         shape = nothing, nothing.T.tocsr(), one, 0.0 * one, 0.0 * one, section, wanted
         return Unknowns(*shape, 0.0 * one, self.scale * one, response)
 
-    def take(self, equations: "Equations", lacking: np.ndarray) -> None:
-        """Add what the acceleration was found to lack."""
-        self._accelerate(equations, self.acceleration + float(lacking[0]))
+    def take(self, equations: "Equations", correction: np.ndarray) -> None:
+        """Add the ``correction`` (1,) that was found to the acceleration."""
+        self._accelerate(equations, self.acceleration + float(correction[0]))
 
     def correct(self, equations: "Equations") -> bool:
         """Change the acceleration by the mean velocity of the solution; return whether it had converged."""

@@ -89,9 +89,10 @@ class SplittingScheme(ControlledScheme):
         self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
         self.points = points_of(problem, serial)
         self.operators = operators_of(problem, self.points)
+        self.slow = limits.is_slow(problem, courant)
         self.grid: WalledGrid | PeriodicGrid
         if walls:
-            self.grid = WalledGrid(self.points, problem)
+            self.grid = WalledGrid(self.points, problem, velocities=self.slow)
             self.points.n_fluid = integer(problem.n_fluid)
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
@@ -109,7 +110,6 @@ class SplittingScheme(ControlledScheme):
         if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
-        self.slow = limits.is_slow(problem, courant)
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
@@ -209,7 +209,7 @@ class SplittingScheme(ControlledScheme):
         self.begin_steps()
 
     def start_without_inertia(self) -> None:
-        """Find the first flow, of which no earlier one is a part, by a step that ends at the start."""
+        """Find the first flow, which has no past, by a step that ends at the start."""
         start = self.time
         self.time -= INSTANT * self.control.limit(self.speed)
         self.extra_stress.begin()

@@ -29,7 +29,7 @@ from step to step; with 5 times the residual of the pressure, forces on bodies h
 always, 25 across between cylinders, velocities differ by 3 % of their errors (accuracy ``balanced``) and 0.1 %
 (``fast``)."""
 
-TOGETHER = 0.01
+TOGETHER = 0.03
 """The same, of velocities and pressure that are solved for together: errors of the velocities."""
 
 ROUNDING = 30.0

@@ -149,16 +149,18 @@ class WallPoints:
 
     def rigid_motion(self, chosen: Sequence[int], time: float) -> Any:
         """Return the velocities (count * 2, 3 n) of the points by the velocities of n ``chosen`` bodies, sparse."""
-        from scipy.sparse import lil_matrix
+        from scipy.sparse import csr_matrix
 
-        result, boundaries = lil_matrix((2 * self.count, 3 * len(chosen))), self._placed(time)
+        boundaries, entries = self._placed(time), []
         for place, number in enumerate(chosen):
             part, arm = self.parts[number], boundaries[number].point - self.bodies[number].at(time).centre
-            rows = 2 * np.arange(part.start, part.stop)
-            result[rows, 3 * place] = 1.0
-            result[rows + 1, 3 * place + 1] = 1.0
-            result[rows, 3 * place + 2], result[rows + 1, 3 * place + 2] = -arm[:, 1], arm[:, 0]
-        return result.tocsr()
+            rows, one = 2 * np.arange(part.start, part.stop), np.ones(len(arm))
+            velocities = (0, 0, one), (1, 1, one), (0, 2, -arm[:, 1]), (1, 2, arm[:, 0])
+            entries += [
+                (values, rows + row, np.full(len(rows), 3 * place + column)) for row, column, values in velocities
+            ]
+        values, rows, columns = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        return csr_matrix((values, (rows, columns)), (2 * self.count, 3 * len(chosen)))
 
     def areas(self, time: float) -> np.ndarray:
         """Return the factors (count, 2) of tractions in the forces on bodies by ``rigid_motion``."""

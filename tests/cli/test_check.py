@@ -294,10 +294,10 @@ def test_limits_without_acceleration_and_polymer_are_none():
 
 @pytest.mark.parametrize(
     ("name", "taken"),
-    [("cylinder_in_channel", 116), ("cylinder_lattice", 141), ("turned_box", 200), ("eccentric_annulus", 193)],
+    [("cylinder_in_channel", 116), ("cylinder_lattice", 138), ("turned_box", 200), ("eccentric_annulus", 160)],
 )
 def test_steps_around_bodies_are_told_within_a_factor_of_two(name, taken):
-    """They are 1.35, 0.57, 0.59 and 0.64 times those ``taken`` by runs on one thread."""
+    """They are 1.35, 0.58, 0.59 and 0.77 times those ``taken`` by runs on one thread."""
     assert 0.5 < estimates(load(CONFIGS / f"{name}.yaml"))["steps"] / taken < 2.0
 
 

@@ -57,7 +57,8 @@ class StepControl(Kept):
     ``tolerance``: of the error of a step. ``limit``: function that returns the longest step for the number that the
     scheme measures after each step (a velocity gradient, a velocity). ``fixed``: whether steps are that long whatever
     their error. ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which a wall
-    velocity, a drive or a body force jumps; up to the last target they are targets as well.
+    velocity, a drive or a body force jumps; up to the last target they are targets as well. ``share``: least error of
+    a step over that of the spacing (``SHARE``).
     """
 
     kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
@@ -70,9 +71,11 @@ class StepControl(Kept):
         fixed: bool = False,
         multistep: bool = False,
         jump_times: Iterable[float] = (),
+        share: float = SHARE,
     ) -> None:
         self.tolerance = math.inf if tolerance is None else tolerance
         self.limit, self.fixed, self.jump_times, self.multistep = limit, fixed, sorted(jump_times), multistep
+        self.share = share
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
         self.dt_next = math.inf
@@ -128,12 +131,12 @@ class StepControl(Kept):
         """Return whether a step of a method of ``order`` is accepted; if not, ``dt_next`` is the step to try instead.
 
         ``unresolved``: error of the spacing in the velocities; the error of a step need not be a smaller part of it
-        than ``SHARE``. None where the estimated error has no part of it. With such a part an error that falls more
+        than ``share``. None where the estimated error has no part of it. With such a part an error that falls more
         slowly than this order from one attempt to the next is not caused by the step: where layers are thinner than a
         spacing velocities that are transferred with a shift are uneven, whatever comes next."""
         factor = self.largest_factor
         if not self.fixed:
-            ratio = max(error / max(self.tolerance, SHARE * (unresolved or 0.0)), 1e-12)
+            ratio = max(error / max(self.tolerance, self.share * (unresolved or 0.0)), 1e-12)
             factor = min(factor, max(SMALLEST_FACTOR, SAFETY * ratio ** (-1 / (order + 1))))
             if ratio > REJECTED:
                 before, self.last_rejected = self.last_rejected, (dt, error)

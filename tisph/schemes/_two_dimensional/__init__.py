@@ -41,9 +41,9 @@ STARTED = 60
 """Steps that a start from rest takes in addition to the steps of the longest length, with the usual tolerance: 30 to
 100 in resolved runs of docs/evidence/verification.md."""
 
-KNOWN, GUESSED = (0.5, 3.0), (0.5, 6.0)
-"""Steps of a run over the estimated ones, least and most, where the flow is known and where it is not. Of the configs
-they are 0.57 to 2.4, and 0.52 to 4.7 (``benchmarks/estimates.py``)."""
+KNOWN, GUESSED, GUESSED_TOGETHER = (0.5, 3.0), (0.5, 6.0), (0.4, 6.0)
+"""Steps of a run over the estimated ones, least and most, where the flow is known, where it is not, and in slow flow. Of
+the configs they are 0.57 to 2.4, 0.52 to 4.7 and 0.40 to 2.4 (``benchmarks/estimates.py``)."""
 
 JUDGED_BY = "divergence", "steepest stress"
 """Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""
@@ -213,7 +213,7 @@ def estimates(config: Any, scene: Any) -> SchemeEstimates:
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
     cost *= TOGETHER if slow else FREE if scene.has_free_bodies else 1.0
     judged_by = JUDGED_BY if scene.polymer else JUDGED_BY[:1]
-    factors = KNOWN if known else GUESSED
+    factors = KNOWN if known else GUESSED_TOGETHER if slow else GUESSED
     sample = SampleEstimate(0.0, 0, steps_reliable=known, steps_factors=factors, judged_by=judged_by)
     return {
         "mach": 0.0,

@@ -42,8 +42,8 @@ STARTED = 60
 100 in resolved runs of docs/evidence/verification.md."""
 
 KNOWN, GUESSED, GUESSED_TOGETHER = (0.5, 3.0), (0.5, 6.0), (0.4, 6.0)
-"""Steps of a run over the estimated ones, least and most, where the flow is known, where it is not, and in slow flow. Of
-the configs they are 0.57 to 2.4, 0.52 to 4.7 and 0.40 to 2.4 (``benchmarks/estimates.py``)."""
+"""Steps of a run over the estimated ones, least and most, where the flow is known, where it is not, and in slow flow.
+Of the configs they are 0.57 to 2.4, 0.52 to 4.7 and 0.40 to 2.4 (``benchmarks/estimates.py``)."""
 
 JUDGED_BY = "divergence", "steepest stress"
 """Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""

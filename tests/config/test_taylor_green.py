@@ -53,7 +53,7 @@ BAD = [
     ("geometry.gap=2.0", ["geometry.gap = 2.0: unknown key; allowed: length, cells"]),
     (
         "walls={}",
-        ["walls: unknown key; allowed: name, scene, units, fluid, geometry, initial, reference, discretisation"],
+        ["walls: unknown key; allowed: name, title, scene, units, fluid, geometry, initial, reference, discretisation"],
     ),
     ("initial.velocity=0", ["initial.velocity = 0: must be greater than 0"]),
     ("initial={}", ["initial.velocity: is missing"]),

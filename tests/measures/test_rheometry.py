@@ -1,5 +1,8 @@
 """Rheometry: moduli, flow curves and step strains read of histories that theory makes, and theory's limits."""
 
+import csv
+import json
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,6 +19,7 @@ from inside import window as _window
 from oracles.circular_couette import CircularCouette, Rotation
 from typer.testing import CliRunner
 
+import tisph
 from tisph import cli, registry, scenes
 from tisph.errors import ConfigError
 from tisph.exact._fluids import ViscoelasticFluid
@@ -28,7 +32,7 @@ from tisph.exact.linear_viscoelasticity import (
 from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
-from tisph.measures.rheometry import as_plane, read, read_schedule
+from tisph.measures.rheometry import as_plane, read, read_schedule, together
 from tisph.report import plots as report
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
@@ -392,3 +396,38 @@ def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities
     channel = SimpleNamespace(gap=1.0, viscous_stress=lambda rate: 2.0 * rate)
     table = {"t": TIMES, "wall_shear": TIMES, "wall_shear_exact": TIMES}
     assert read_schedule(config, channel, SCHEDULED_LIQUID, Schedule(times, velocities), table).title == title
+
+
+def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
+    """Moduli of two short runs in a narrow gap, as from a file and from Python, and beside the linear theory."""
+    fluid = {"density": 1.0, "dynamic_viscosity": 1.0}
+    fluid["rheology"] = {"type": "oldroyd_b", "relaxation_time": 0.1, "solvent_fraction": 0.5}
+    folders = []
+    for frequency in (20.0, 10.0):
+        config = {
+            "name": f"at_{frequency:g}",
+            "scene": "channel",
+            "fluid": fluid,
+            "geometry": {"gap": 0.1, "length": 0.1},
+            "walls": {"top": {"amplitude": 0.01, "angular_frequency": frequency, "phase": "sin"}},
+            "discretisation": {"particles_across": 10},
+            "time": {"end": 8.0 * np.pi / frequency},
+            "output": {"video": None},
+        }
+        folders.append(str(tisph.run(config, tmp_path / config["name"]).folder))
+    done = CliRunner().invoke(cli.app, ["rheometry", *folders, "--csv", str(tmp_path / "moduli.csv")])
+    assert done.exit_code == 0, done.output
+    assert "moduli over the angular frequency" in done.output
+    assert (tmp_path / "moduli.png").is_file()
+    shown = json.loads(CliRunner().invoke(cli.app, ["rheometry", *folders, "--json"]).stdout)
+    with open(tmp_path / "moduli.csv", newline="") as file:
+        table = list(csv.DictReader(file))
+    for folder, numbers, row in zip(folders, shown, table, strict=True):
+        assert json.loads((Path(folder) / "rheometry.json").read_text()) == numbers
+        assert tisph.open(folder).rheometry().numbers["third_harmonic"] == numbers["third_harmonic"]
+        modulus = "storage_modulus_corrected_for_inertia"
+        assert float(row[modulus]) == numbers[modulus]
+        assert numbers[modulus] == pytest.approx(numbers["storage_modulus_linear_theory"], rel=1e-2)  # 2e-3
+    curve = together([tisph.open(folder).rheometry() for folder in folders])
+    drawn = next(each for each in curve.curves if "corrected" in each[1])
+    assert drawn[2].tolist() == [10.0, 20.0]  # in the order of the frequency

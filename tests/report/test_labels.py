@@ -1,16 +1,21 @@
 """Texts of pictures: numbers, units, error labels, labels of walls and drives, and room for all."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
 
+from tisph import scenes
+from tisph.config import load
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.labels import (
     axis_exponent,
     axis_label,
+    coordinate_name,
+    cut_name,
     fixed_point,
     number,
     scientific,
@@ -18,7 +23,7 @@ from tisph.report.labels import (
     time_label,
     unit_label,
 )
-from tisph.report.layout import Rect
+from tisph.report.layout import Rect, arrange
 from tisph.report.text import DriveLabel, fitting_size, paint_arrow, paint_text, text_width, wall_labels
 
 MINUS, TIMES, NU = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}", "\N{GREEK SMALL LETTER NU}"
@@ -267,3 +272,33 @@ def test_without_drive_its_place_is_empty():
     renderer = renderer_of(top=WallMotion(0.005))
     box = DriveLabel(renderer.scene, renderer.layout).box
     assert np.all(frame_at(renderer, 1.0)[box.slices] == 255)
+
+
+def scene_of(name, **changes):
+    """The scene of one of the configs, changed."""
+    path = Path(__file__).parents[2] / "configs" / f"{name}.yaml"
+    return scenes.of(load(path, [f"{key}={value}" for key, value in changes.items()]))
+
+
+def test_gravity_points_down_and_a_lid_along():
+    """An arrow ends in a point, which has less ink than the shaft."""
+    disc = scene_of("drafting_kissing_tumbling", **{"drive.gravity": [0.0, -981.0], "drive.acceleration": 0.0})
+    name, unit, vector = disc.drive_shown
+    assert (name, unit, vector) == ("gravity", "acceleration", (0.0, -981.0))
+    layout = arrange(disc, 1280, 640)
+    frame = np.full((640, 1280, 3), 255, dtype=np.uint8)
+    label = DriveLabel(disc, layout)
+    label.paint(frame)
+    arrow = frame[label.box.slices][:, -layout.pixels(34) :, 0]
+    ink = (arrow < 90).sum(axis=1)
+    rows = np.flatnonzero(ink)
+    assert ink[rows[-1]] < ink[rows[0]] < ink.max()
+    assert scene_of("cavity").drive_shown == ("lid", "velocity", (1.0, 0.0))
+
+
+def test_the_distance_from_an_axis_is_r_and_cuts_say_where_they_are():
+    ball, cavity = scene_of("falling_ball"), scene_of("cavity")
+    assert [coordinate_name(ball, axis) for axis in "xy"] == ["x", "r"]
+    assert [coordinate_name(cavity, axis) for axis in "xy"] == ["x", "y"]
+    assert [cut_name(profile, cavity) for profile in cavity.profiles()] == ["u at x = 0.5 m", "v at y = 0.5 m"]
+    assert [profile.reference for profile in cavity.profiles()] == 2 * ["Marchi et al. 2009, steady"]

@@ -1,12 +1,16 @@
 """Commands for results: ``tisph compare``, ``render``, ``report``, ``export`` and ``rheometry``."""
 
+import json
+import math
+from csv import DictWriter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from tisph.cli.terminal import Overrides, out_folder
 from tisph.errors import ConfigError
+from tisph.folder import replaced
 
 
 def compare(
@@ -152,57 +156,65 @@ def export(
     print(write(open_run(run_dir), to, out, frames=frames))
 
 
-PICTURE = "rheometry.png"
+PICTURE, NUMBERS, MODULI = "rheometry.png", "rheometry.json", "moduli.png"
 
 
 def rheometry(
     run_dirs: Annotated[list[Path], typer.Argument(metavar="RUN_DIR...", help="Folders of finished runs.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")] = False,
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the numbers, one run a row.")] = None,
 ) -> None:
     """Read runs in a channel, between cylinders, in a pipe or of a falling ball as a rheometer, beside theory.
 
     By the motion of the walls: viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus,
     flow curve, moduli G' and G'', harmonics. With free bodies: effective viscosity and its statistical error.
-    Viscosity by a Couette viscometer, a falling ball or a capillary; three capillary runs or more give the flow curve.
-    The picture is rheometry.png in the folder of the run.
+    Viscosity by a Couette viscometer, a falling ball or a capillary; three capillary runs or more give the flow curve,
+    two oscillations or more G' and G'' over the frequency (moduli.png beside their folders). The picture is
+    rheometry.png in the folder of the run, the numbers are in rheometry.json.
 
     \b
     Examples:
       tisph rheometry runs/creep_and_recovery
-      tisph rheometry runs/oscillation_*
-      tisph rheometry runs/falling_ball
+      tisph rheometry runs/oscillation_* --csv moduli.csv
+      tisph rheometry runs/falling_ball --json
     """
-    from tisph import scenes
-    from tisph.measures.rheometry import read
-    from tisph.measures.viscometers import VISCOMETERS, rabinowitsch
+    from tisph.measures.rheometry import together
+    from tisph.measures.viscometers import rabinowitsch
     from tisph.report.plots import plot_reading
     from tisph.results import open_run
 
-    capillaries: dict[str, list[Any]] = {}
-    for run_dir in run_dirs:
-        run = open_run(run_dir)
-        config, history = run.config, run.history
-        scene = scenes.of(config)
-        readable = config.scene in ("annulus", *VISCOMETERS)
-        if config.scene == "channel":
-            readable = config.parallel or scene.has_free_bodies
-        if not readable:
-            raise ConfigError(
-                f"{run_dir}: rheometry reads runs in a channel (without bodies, or with free bodies), between "
-                "cylinders, in a pipe, and of a falling ball; this run is none of them"
-            )
-        try:
-            last = run.summary.samples[-1] if run.summary.samples else None
-            table = {name: history[name] for name in history.dtype.names or ()}
-            reading = read(config, scene, table, run.summary.numbers.get("contacts"), last)
-        except ConfigError as error:
-            raise ConfigError(f"{run_dir}: {error}") from None
-        if reading.title == "capillary":
-            capillaries.setdefault(repr(config.fluid), []).append(reading)
-        print(f"{config.name}: {reading.title}")
-        for line in reading.lines:
-            print(f"  {line}")
-        plot_reading(run_dir / PICTURE, config.name, reading, config.units)
-        print(f"  picture {run_dir / PICTURE}")
-    for readings in capillaries.values():
-        for line in rabinowitsch(readings):
-            print(line)
+    runs = [open_run(run_dir) for run_dir in run_dirs]
+    readings, fluids = [run.rheometry() for run in runs], {repr(run.config.fluid) for run in runs}
+    rows = []
+
+    def say(*lines: str) -> None:
+        if not as_json:
+            print(*lines, sep="\n  ")
+
+    for run, reading in zip(runs, readings, strict=True):
+        name = run.config.title or run.config.name
+        say(f"{name}: {reading.title}", *reading.lines)
+        finite = {key: float(value) if math.isfinite(value) else None for key, value in reading.numbers.items()}
+        rows.append({"run": str(run.folder), "title": reading.title, **finite})
+        with replaced(run.folder / NUMBERS) as new:
+            new.write_text(json.dumps(rows[-1], indent=1) + "\n")
+        plot_reading(run.folder / PICTURE, name, reading, run.config.units)
+        say(f"  picture {run.folder / PICTURE}")
+    oscillations = [reading for reading in readings if reading.title == "oscillation"]
+    if len(fluids) == 1 and len(oscillations) > 1:
+        curve, picture = together(oscillations), runs[0].folder.parent / MODULI
+        say(curve.title, *curve.lines, f"picture {picture}")
+        plot_reading(picture, runs[0].folder.parent.name, curve, runs[0].config.units)
+    for fluid in sorted(fluids):
+        same = [each for each, run in zip(readings, runs, strict=True) if repr(run.config.fluid) == fluid]
+        for line in rabinowitsch([reading for reading in same if reading.title == "capillary"]):
+            say(line)
+    if as_json:
+        print(json.dumps(rows, indent=1))
+    if csv:
+        names = dict.fromkeys(key for row in rows for key in row)
+        with replaced(csv) as new, new.open("w", newline="") as file:
+            writer = DictWriter(file, names)
+            writer.writeheader()
+            writer.writerows(rows)
+        say(f"numbers {csv}")

@@ -66,6 +66,9 @@ FolderName = _text(
     r"(?!\.)[\w.-]{1,64}(?<!\.)",
     "a folder name: 1 to 64 letters, digits or . _ - without a dot at either end",
 )
+Title = _text(
+    r"[^\W_](?:[^\n\r\t\v\f\x00-\x1f]{0,78}\S)?", "a line of 1 to 80 characters that begins with a letter or digit"
+)
 Label = _text(r"[A-Za-z0-9µ%^*/. -]{1,16}", "a unit label: 1 to 16 letters, digits or . % ^ * / -")
 
 
@@ -171,6 +174,7 @@ class Config(Model):
     model_config = ConfigDict(defer_build=True)  # half of the time of reading a config, for the model of all scenes
 
     name: FolderName
+    title: Title | None = None
     scene: member_name("scenes")
     units: Units = Units()
     fluid: Fluid
@@ -181,7 +185,7 @@ class Config(Model):
     output: Output = Output()
     runtime: Runtime = Runtime()
 
-    unset_keys: ClassVar[tuple[str, ...]] = ("reference",)
+    unset_keys: ClassVar[tuple[str, ...]] = ("title", "reference")
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
     axisymmetric: ClassVar[bool] = False
@@ -323,7 +327,7 @@ class Config(Model):
 
 
 ORDER = (
-    "name", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "reference", "discretisation",
+    "name", "title", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "reference", "discretisation",
     "scheme", "time", "probes", "output", "runtime",
 )  # fmt: skip
 """Order of the keys in a resolved config; other keys come with ``geometry``."""

@@ -18,6 +18,7 @@ shear.
 Suspensions and viscometers around an axis are evaluated at the end of a run (``viscometers``).
 """
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, TypeAlias
 
@@ -340,6 +341,26 @@ def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Read
         (axis, "reference", strain, table["wall_shear_exact"][first:], "-"),
     ]
     return Reading("oscillation", lines, numbers, curves)
+
+
+def together(readings: Sequence[Reading]) -> Reading:
+    """Return one reading of two or more oscillations of one fluid: moduli over the angular frequency."""
+    ordered = sorted(readings, key=lambda each: each.numbers["angular_frequency"])
+    shown = [
+        (f"{part}_modulus_{kind}", f"{sign}, {words}")
+        for kind, words in (("corrected_for_inertia", "run"), ("linear_theory", "theory"))
+        for part, sign in (("storage", "G'"), ("loss", "G''"))
+    ]
+    lines = [" ".join(f"{words:>14}" for words in ("frequency", *(words for _, words in shown)))]
+    for each in ordered:
+        numbers = [each.numbers[key] for key in ("angular_frequency", *(key for key, _ in shown))]
+        lines.append(" ".join(f"{value:14.6g}" for value in numbers))
+    curves = []
+    for same in zip(*([curve for curve in each.curves if curve[0].logarithmic] for each in ordered), strict=True):
+        x, y = (np.concatenate([curve[place] for curve in same]) for place in (2, 3))
+        order = np.argsort(x)
+        curves.append((*same[0][:2], x[order], y[order], same[0][4]))
+    return Reading("moduli over the angular frequency", lines, {}, curves)
 
 
 def _window(t: np.ndarray, frequency: float, longest: float) -> tuple[np.ndarray, int]:

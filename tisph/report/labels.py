@@ -54,6 +54,20 @@ def axis_label(quantity: str, unit: str, exponent: int = 0) -> str:
     return f"{quantity} [{' '.join(parts)}]" if parts else quantity
 
 
+def coordinate_name(scene: Any, axis: str) -> str:
+    """Return the name of the coordinate along the ``axis`` x or y: r of y where that is the distance from an axis."""
+    return "r" if axis == "y" and scene.axisymmetric else axis
+
+
+def cut_name(profile: Any, scene: Any) -> str:
+    """Return the name of a ``Profile``, with the place of its line where the quantity depends on it: u at x = 0.5 m."""
+    line = profile.line
+    if line.half_width == np.inf:
+        return profile.name
+    across = coordinate_name(scene, "x" if line.along == "y" else "y")
+    return f"{profile.name} at {across} = {number(line.place, 3)} {scene.units.length}"
+
+
 def tick_text(value: float, exponent: int) -> str:
     """Return a tick label in units of ``10^exponent``, free of rounding noise."""
     scaled = float(f"{value / 10.0**exponent:.9g}")

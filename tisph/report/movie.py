@@ -29,13 +29,23 @@ from tisph.geometry.polygon import Polygon
 from tisph.report import style
 from tisph.report.encoder import Encoder
 from tisph.report.field import Dye, FluidPainter
-from tisph.report.labels import TIMES, axis_exponent, axis_label, error_label, number, time_label, unit_label
+from tisph.report.labels import (
+    TIMES,
+    axis_exponent,
+    axis_label,
+    coordinate_name,
+    cut_name,
+    error_label,
+    number,
+    time_label,
+    unit_label,
+)
 from tisph.report.layout import Layout, Rect, arrange
 from tisph.report.overlays import BodyTracks, Solids, Streamlines, Tracks, Vectors
 from tisph.report.panels import ProfilePanel, TimePanel, exact_values, measured
 from tisph.report.quantities import Extremes, Quantity, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
-from tisph.scenes._views import Line as ProfileLine
+from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
@@ -84,10 +94,11 @@ class _Stage:
                 axes.spines[side].set(linestyle=(0, (4, 3)), color=self.theme.muted)
                 axes.spines[side].set_position(("outward", beside if periodic else walls))
         self._ticks(axes, layout.box, self.length_exponent, self.length_exponent)
-        label = axis_label("x", unit, self.length_exponent)
+        names = [coordinate_name(self.scene, axis) for axis in "xy"]
+        label = axis_label(names[0], unit, self.length_exponent)
         if layout.shown_length < width:
             label += f"     (shown: {number(layout.shown_length, 3)} of {number(width, 3)} {unit})"
-        self._label(axes, label, axis_label("y", unit, self.length_exponent))
+        self._label(axes, label, axis_label(names[1], unit, self.length_exponent))
 
     def walls(self) -> None:
         """Bars beside the box: hatched at rest, dark where they move."""
@@ -117,16 +128,12 @@ class _Stage:
         axes = self._axes(self.layout.profile, quantity.profile_range, profile.line.ends)
         axes.grid(True, linewidth=self.layout.pixels(1))
         self._ticks(axes, self.layout.profile, exponent, self.length_exponent)
-        unit = self.scene.units.length
-        place = "" if profile.line.half_width == np.inf else f" at {self._place(profile.line)} {unit}"
+        along = coordinate_name(self.scene, profile.line.along)
         self._label(
             axes,
-            axis_label(profile.name + place, quantity.unit, exponent),
-            axis_label(profile.line.along, unit, self.length_exponent),
+            axis_label(cut_name(profile, self.scene), quantity.unit, exponent),
+            axis_label(along, self.scene.units.length, self.length_exponent),
         )
-
-    def _place(self, line: ProfileLine) -> str:
-        return f"{'x' if line.along == 'y' else 'y'} = {number(line.place, 3)}"
 
     def series_axes(self, panel: TimePanel) -> None:
         """Axes of the numbers over time, with their exact values."""
@@ -403,7 +410,7 @@ class Movie:
         measured = self._measured(snapshot)
         renderer = self._renderer
         if renderer is None:
-            ranges = self._ranges or _Ranges(self._view.profile.line)
+            ranges = self._ranges or _Ranges(self._view.profile)
             if self._ranges is None:
                 ranges.add(measured)
             renderer = self._new_renderer(ranges)
@@ -421,7 +428,7 @@ class Movie:
             return
         if self._ranges is None:
             self._waiting = tempfile.TemporaryFile()  # noqa: SIM115 (lives until ``close``)
-            self._ranges = _Ranges(self._view.profile.line)
+            self._ranges = _Ranges(self._view.profile)
         self._ranges.add(measured)
         pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
@@ -473,11 +480,15 @@ class Movie:
 
 
 class _Ranges:
-    """Ranges of colours, of the profile along ``line`` and of the series over the frames, and the number of frames."""
+    """Ranges of colours, of the ``profile`` along its line and of the series over the frames, and their number.
 
-    def __init__(self, line: ProfileLine):
-        self.colours, self.profile, self.series = Extremes(), Extremes(whole=True), Extremes(whole=True)
-        self._line, self.count = line, 0
+    Velocities are bounded, and all of them are shown; stresses and gradients may be infinite at corners.
+    """
+
+    def __init__(self, profile: Profile):
+        self.colours = Extremes(whole=profile.unit == "velocity")
+        self.profile, self.series = Extremes(whole=True), Extremes(whole=True)
+        self._line, self.count = profile.line, 0
 
     def add(self, measured: Measured) -> None:
         """Take a frame."""

@@ -34,7 +34,12 @@ class TimePanel:
         levels = np.ravel(series.levels if exact is None else ())[:_NUMBERS]
         self.levels = _scaled(series, levels) if len(levels) else levels
         within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
-        self.range = with_margin((min(within), max(within)), 1.0)
+        if series.unit == "energy":  # its size is the content, not its change alone
+            within.append(0.0)
+        low, high = min(within), max(within)
+        least = scene.spacing if series.unit == "length" else 0.0  # less is no motion that can be seen
+        wider = max(0.0, 0.5 * (least - (high - low)))
+        self.range = with_margin((low - wider, high + wider), 1.0)
         self._layout = layout
         self._seen: dict[float, np.ndarray] = {}
         self._pen = Discs(max(0.6, 1.3 * layout.scale), layout.series.inner.shape)

@@ -17,7 +17,16 @@ from matplotlib.ticker import FuncFormatter
 
 from tisph.measures.resolution import resolution
 from tisph.report import style
-from tisph.report.labels import MINUS, axis_exponent, axis_label, error_label, number, unit_label
+from tisph.report.labels import (
+    MINUS,
+    axis_exponent,
+    axis_label,
+    coordinate_name,
+    cut_name,
+    error_label,
+    number,
+    unit_label,
+)
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.snapshot import Snapshot
 
@@ -236,9 +245,9 @@ def _plot(axes: Axes, scene: Any, panel: Panel, snapshot: Snapshot, look: dict) 
 def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: Any) -> None:
     shown: Any = zip(axes, panels, strict=False)
     for index, (one, (profile, error)) in enumerate(shown):
-        name, unit = profile.name, unit_label(profile.unit, scene.units)
+        name, unit = cut_name(profile, scene), unit_label(profile.unit, scene.units)
         if error:
-            name, unit = f"({name} {MINUS} {name} {profile.reference}) / {profile.scale[1]}", ""
+            name, unit = f"({profile.name} {MINUS} {profile.name} {profile.reference}) / {profile.scale[1]}", ""
             one.axvline(0.0, color=style.MUTED, linewidth=0.8)
         exponent = axis_exponent(float(np.max(np.abs(one.dataLim.intervalx))))
         one.set_xlabel(axis_label(name, unit, exponent), parse_math=False)
@@ -252,7 +261,9 @@ def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: An
         if index % 2 and (line.along, line.ends) == (left.along, left.ends):
             one.tick_params(labelleft=False)
         else:
-            one.set_ylabel(axis_label(line.along, scene.units.length, exponent), parse_math=False)
+            one.set_ylabel(
+                axis_label(coordinate_name(scene, line.along), scene.units.length, exponent), parse_math=False
+            )
 
 
 RUN: dict[str, Any] = {"color": style.PARTICLES}

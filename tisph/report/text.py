@@ -138,7 +138,7 @@ def wall_labels(scene: Any, layout: Layout) -> list[WallLabel]:
 
 @dataclass(frozen=True)
 class DriveLabel:
-    """The body acceleration with an arrow, above the upper wall; nothing without one."""
+    """What drives the flow, in words and with an arrow, above the upper wall; nothing without any."""
 
     scene: Any
     layout: Layout
@@ -153,15 +153,22 @@ class DriveLabel:
 
     def paint(self, frame: np.ndarray) -> None:
         """Lay words and arrow over ``frame``."""
-        if self.scene.acceleration == 0.0:
+        if not any(self.scene.drive_shown[2]):
             return
         box, px = self.box, self.layout.pixels
         words = Rect(box.left, box.top, box.width - px(10 + _ARROW), box.height)
         size, colour = fitting_size(self._words, px(14), words.width), self.layout.theme.text
         paint_text(frame, words, self._words, size, "left", colour)
-        arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
-        paint_arrow(frame, arrow, math.copysign(1.0, self.scene.acceleration), colour)
+        along, up = self.scene.drive_shown[2]
+        if abs(along) >= abs(up):
+            arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
+            paint_arrow(frame, arrow, math.copysign(1.0, along), colour)
+        else:
+            arrow = Rect(box.top, box.right - px((_ARROW + _HEAD) / 2), box.height, px(_HEAD))  # columns are rows
+            paint_arrow(frame.transpose(1, 0, 2), arrow, -math.copysign(1.0, up), colour)
 
     @property
     def _words(self) -> str:
-        return f"drive {number(self.scene.acceleration)} {unit_label('acceleration', self.scene.units)}"
+        name, unit, (along, up) = self.scene.drive_shown
+        size = math.hypot(along, up) if up else along
+        return f"{name} {number(size)} {unit_label(unit, self.scene.units)}"

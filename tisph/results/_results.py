@@ -123,6 +123,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from tisph.config import Config
+    from tisph.measures.viscometers import Reading
     from tisph.scenes._scene import Scene
 
 
@@ -312,6 +313,30 @@ class Results:
             raise ConfigError(f"field {field!r}: scene {self.config.scene} has no reference for it; it has {known}")
         places = np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in (x, y, t)))
         return np.asarray(scene.exact(field, *places))
+
+    def rheometry(self) -> "Reading":
+        """Return the run read as a rheometer: ``title``, ``lines``, ``numbers`` by name, and ``curves``.
+
+        ConfigError where it is no flow of a rheometer, or has not ended.
+        """
+        from tisph.measures.rheometry import read
+        from tisph.measures.viscometers import VISCOMETERS
+
+        config, history, scene = self.config, self.history, self._scene
+        readable = config.scene in ("annulus", *VISCOMETERS)
+        if config.scene == "channel":
+            readable = config.parallel or scene.has_free_bodies
+        if not readable:
+            raise ConfigError(
+                f"{self.folder}: rheometry reads runs in a channel (without bodies, or with free bodies), between "
+                "cylinders, in a pipe, and of a falling ball; this run is none of them"
+            )
+        last = self.summary.samples[-1] if self.summary.samples else None
+        table = {name: history[name] for name in history.dtype.names or ()}
+        try:
+            return read(config, scene, table, self.summary.numbers.get("contacts"), last)
+        except ConfigError as error:
+            raise ConfigError(f"{self.folder}: {error}") from None
 
     def profile_figure(self) -> "Figure":
         """Return profiles at the samples, with the exact curves and the errors, as a matplotlib figure."""

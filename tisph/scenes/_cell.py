@@ -218,6 +218,11 @@ class Cell(BodyScene):
         return self.size
 
     @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """See ``Scene.drive_shown``."""
+        return ("gravity", "acceleration", self.gravity) if any(self.gravity) else super().drive_shown
+
+    @property
     def area(self) -> float:
         """Area of the cell, fluid and bodies."""
         return float(np.prod(self.size))

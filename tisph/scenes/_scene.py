@@ -246,6 +246,11 @@ class Scene(SceneDefaults):
         return self.reference_length / self.reference_velocity
 
     @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """What movies show as the drive of the flow: its name, kind of unit, and components along x and y."""
+        return "drive", "acceleration", (self.acceleration, 0.0)
+
+    @property
     def viscous_time(self) -> float:
         """Time reference length^2 / kinematic viscosity in which momentum diffuses that far."""
         return self.reference_length**2 / self.kinematic_viscosity

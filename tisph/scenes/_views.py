@@ -11,6 +11,7 @@ from tisph.measures.fits import max_void_radius, min_distance, stream_function, 
 from tisph.measures.metrics import with_reference
 from tisph.snapshot import Snapshot
 
+ROUNDING = 1e-6  # spacings
 _TIMES, _POINTS = 60, 101  # at which the range of a reference is evaluated
 
 
@@ -288,10 +289,13 @@ def movie_view(scene: Any, name: str, end: float) -> MovieView:
 
 
 def centre_line(scene: Any, along: str) -> Line:
-    """Return the line ``along`` x or y through the middle of the box, with the particles within half a spacing."""
+    """Return the line ``along`` x or y through the middle of the box, with the particles within half a spacing.
+
+    Rows of a lattice that are half a spacing away on both sides count, whatever the round-off.
+    """
     axis = "xy".index(along)
     ends = [(low, low + size) for low, size in zip(scene.origin, scene.extent, strict=True)]
-    return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=0.5 * scene.spacing)
+    return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=(0.5 + ROUNDING) * scene.spacing)
 
 
 def velocity_profile(scene: Any, field: str, along: str, **reference: Any) -> Profile:

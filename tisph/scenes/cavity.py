@@ -118,6 +118,11 @@ class Cavity(BodyScene):
         return self.width
 
     @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """See ``Scene.drive_shown``."""
+        return "lid", "velocity", (self.velocity, 0.0)
+
+    @property
     def velocity_scale(self) -> float:
         """The largest speed of the lid."""
         return abs(self.velocity)
@@ -247,10 +252,11 @@ class Cavity(BodyScene):
         reference: dict[str, Any] = {}
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
-            reference = {"exact": lambda x, y, t: flow.velocity(x, y)["uv".index(field)], "scale": scale}
+            exact = lambda x, y, t: flow.velocity(x, y)["uv".index(field)]  # noqa: E731
+            reference = {"exact": exact, "scale": scale, "reference": "steady"}
         elif tables:
             name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
-            reference = {"exact": self._curve(field, tables), "reference": name}
+            reference = {"exact": self._curve(field, tables), "reference": f"{name}, steady"}
         return velocity_profile(self, field, along, **reference)
 
 

@@ -32,7 +32,7 @@ MOVIES = {
     "drafting_kissing_tumbling": (13.0, []),  # they tumble
     "suspension": (6.5, []),
     "taylor_vortices": (0.8, []),  # they have saturated
-    "falling_ball": (0.027, []),  # it falls at its final velocity
+    "falling_ball": (7.0, []),  # it falls at its final velocity, and is on its way
     "cavity": (3.5, [*DYED, "discretisation.particles_across=64", "time.end=6.0"]),
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""

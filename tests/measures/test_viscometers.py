@@ -1,6 +1,7 @@
 """Viscometers around an axis and the stress of suspensions, read of numbers that theory makes."""
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -308,3 +309,12 @@ def test_the_picture_has_both_ways_over_the_strain(make, tmp_path, monkeypatch):
         "by the stresses of the bodies",
         "Einstein, 1 + 2φ",
     ]
+
+
+def test_a_ball_has_a_terminal_velocity_in_slow_flow_alone():
+    path = Path(__file__).parents[2] / "configs" / "falling_ball.yaml"
+    ball = scenes.of(load(path))
+    assert ball.terminal_velocity == pytest.approx(-0.5 / (6.0 * np.pi * 0.5 * wall_factor(0.5)), rel=1e-12)
+    assert ball.time_series().levels[3] == ball.terminal_velocity
+    fast = scenes.of(load(path, ["fluid.kinematic_viscosity=0.1"]))  # U a/nu = 0.45
+    assert np.isnan(fast.terminal_velocity)

@@ -22,6 +22,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.motion import FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import POINTS, volume_of_revolution
+from tisph.measures.viscometers import LARGEST_RATIO, wall_factor
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
@@ -84,6 +85,9 @@ class Drive(Model):
     acceleration: Signed = 0.0
     mean_velocity: Signed = 0.0
 
+
+SLOW = 0.1
+"""Reynolds number U a/nu below which the drag of a sphere has no inertia to 2 %."""
 
 FRONT = 1.95
 """Depth of the layer in front of the body, in sqrt(nu/a), where the velocity is 99 % of the outer one; a = (3/2) U/R is
@@ -247,6 +251,19 @@ class Scene(AxisymmetricScene):
         line = self.radial_line(0.5 * self.length)
         return [self.radial_profile(name, line) for name in ("u", "v")]
 
+    @property
+    def terminal_velocity(self) -> float:
+        """Velocity in Stokes flow of a free sphere in a closed tube (Bohlin); NaN of other flow."""
+        sphere, tube = self.bodies
+        radius, closed = self.reference_length, self.kept_mean_velocity == 0.0 and not tube.motion.x.largest_speed
+        round_one = isinstance(sphere.shape, Circle) and radius <= LARGEST_RATIO * self.outer_radius
+        if not (sphere.free and closed and round_one) or self.rheology:
+            return math.nan
+        drag = 6.0 * math.pi * self.dynamic_viscosity * radius * wall_factor(radius / self.outer_radius)
+        motion: Any = sphere.motion
+        velocity = float(motion.inertia.load[0]) / drag
+        return velocity if abs(velocity) * radius < SLOW * self.kinematic_viscosity else math.nan
+
     def time_series(self) -> TimeSeries:
         """Return the force on the sphere along the axis, the torque around it, its place and its velocity."""
         radius, speed = self.reference_length, self.reference_velocity
@@ -267,6 +284,8 @@ class Scene(AxisymmetricScene):
             measure=measure,
             exact=lambda times: None,
             sizes=[force, force * radius, radius, speed],
+            levels=[*3 * [math.nan], self.terminal_velocity],
+            level_name="Stokes flow in this tube (Bohlin)",
             panels=[
                 ("force", "whole_force"),
                 ("torque", "moment") if self.sphere.spin.largest_speed else None,

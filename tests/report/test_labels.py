@@ -296,7 +296,7 @@ def test_gravity_points_down_and_a_lid_along():
     assert scene_of("cavity").drive_shown == ("lid", "velocity", (1.0, 0.0))
 
 
-def test_the_distance_from_an_axis_is_r_and_cuts_say_where_they_are():
+def test_names_of_axes_and_places_of_cuts():
     ball, cavity = scene_of("falling_ball"), scene_of("cavity")
     assert [coordinate_name(ball, axis) for axis in "xy"] == ["x", "r"]
     assert [coordinate_name(cavity, axis) for axis in "xy"] == ["x", "y"]

@@ -229,3 +229,14 @@ def test_a_program_of_somebody_else_is_refused_and_left_alone():
         with pytest.raises(TisphError, match="fields of this simulation are gone"):
             sim.step()
         ti.reset()
+
+
+def test_times_that_are_over_and_intervals_of_zero_are_refused():
+    with tisph.Simulation(CASE) as simulation:
+        first = simulation.run_until(0.5 * simulation.config.time.end)
+        assert simulation.run_until(first.t).t == first.t
+        with pytest.raises(ConfigError, match="is over"):
+            simulation.run_until(0.1 * first.t)
+        for interval in (0.0, -1.0):
+            with pytest.raises(ConfigError, match="positive"):
+                next(simulation.every(interval))

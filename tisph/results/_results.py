@@ -315,10 +315,7 @@ class Results:
         return np.asarray(scene.exact(field, *places))
 
     def rheometry(self) -> "Reading":
-        """Return the run read as a rheometer: ``title``, ``lines``, ``numbers`` by name, and ``curves``.
-
-        ConfigError where it is no flow of a rheometer, or has not ended.
-        """
+        """Return the run read as a rheometer, its ``numbers`` by name; ConfigError where it is no flow of one."""
         from tisph.measures.rheometry import read
         from tisph.measures.viscometers import VISCOMETERS
 

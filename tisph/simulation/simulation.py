@@ -15,7 +15,7 @@ from tisph import runtime, scenes, schemes
 from tisph.config.loader import Asked, loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.observers.guard import Guard
-from tisph.observers.protocol import EveryTime, Observer, Schedule
+from tisph.observers.protocol import Observer, Schedule, every
 from tisph.observers.samples import Description
 from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import Scheme
@@ -99,6 +99,7 @@ class Simulation:
         self.scheme: Scheme | None = None
         self._last: State | None = None
         self._start: Snapshot | None = None
+        self._stepped_from = math.inf
         self._begun = False
         process.claim(self)
         try:
@@ -163,6 +164,7 @@ class Simulation:
         self._call_back()  # callbacks that an interrupt has prevented
         with interrupts_after(), self._ending_on_failure():
             self._start = None
+            self._stepped_from = scheme.time
             try:
                 with self.costs.timed("loop"):
                     scheme.advance()
@@ -178,23 +180,27 @@ class Simulation:
         """Step until ``time`` is reached and return the state then.
 
         It is interpolated within the last step, or is the end of that step (``state.t``) if the scheme cannot do so.
+        ConfigError where ``time`` is before the last step, or after the end of the run.
         """
         if time > self.config.time.end:
             raise ConfigError(
                 f"run_until: t = {time:g} is after the end of the run, time.end = {self.config.time.end:g}"
             )
-        before = math.inf
         while self.time < time:
-            before = self.time
             self.step()
-        return self._state_at(time) if before < time < self.time else self.state
+        if time == self.time:
+            return self.state
+        if not self._stepped_from < time:
+            raise ConfigError(f"run_until: t = {time:g} is over, the run is at t = {self.time:g}")
+        return self._state_at(time)
 
     def every(self, interval: float) -> Iterator[State]:
         """Step to the end of the run, and yield the states at the multiples of ``interval`` on the way.
 
-        Multiples count from the start of the run's clock, and start after the present time.
+        Multiples count from the start of the run's clock, and start after the present time. ConfigError unless the
+        interval is positive.
         """
-        schedule = EveryTime(interval)
+        schedule = every(time=interval)
         schedule.begin(self.scene.start_time, self.time, self.steps)
         while not self.finished:
             self.step()

@@ -187,14 +187,14 @@ def test_check_and_movie_find_what_they_ask_for(case, regular):
 def test_pictures_say_where_a_reference_is_from(case):
     sharp, regular = (Scene.from_config(case(f"walls.lid.profile={profile}")) for profile in ("sharp", "regular"))
     source = centre_lines(100)[0].source
-    assert [profile.reference for profile in sharp.profiles()] == [source, source]
-    assert [profile.reference for profile in regular.profiles()] == ["exact", "exact"]
+    assert [profile.reference for profile in sharp.profiles()] == 2 * [f"{source}, steady"]
+    assert [profile.reference for profile in regular.profiles()] == ["steady", "steady"]
 
 
 def test_the_legend_of_profiles_has_it(case):
     scene = Scene.from_config(case())
     (legend,) = profile_figure(scene, [snapshot_of(scene)]).legends
-    assert legend.get_texts()[-1].get_text() == centre_lines(100)[0].source
+    assert legend.get_texts()[-1].get_text() == f"{centre_lines(100)[0].source}, steady"
 
 
 def test_curves_in_pictures_have_the_tabulated_extremes(case):
@@ -204,7 +204,7 @@ def test_curves_in_pictures_have_the_tabulated_extremes(case):
     known, curves = extremes(1000), (u.exact(0.5, along, 0.0), v.exact(along, 0.5, 0.0))
     assert (curves[0].min(), curves[1].min()) == pytest.approx((known["u_min"], known["v_min"]), abs=1e-3)
     assert curves[1].max() == pytest.approx(known["v_max"], abs=1e-3)
-    assert v.reference == "published tables"
+    assert v.reference == "published tables, steady"
 
 
 def test_each_panel_says_along_which_axis_it_goes(case):

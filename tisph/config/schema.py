@@ -197,6 +197,11 @@ class Config(Model):
     has_exact_velocity: ClassVar[bool] = False
     """Whether the exact velocity is known at all times and places."""
 
+    @property
+    def heading(self) -> str:
+        """The title of pictures: ``title``, or the name of the run."""
+        return self.title or self.name
+
     @model_validator(mode="wrap")
     @classmethod
     def _take_sections_of_scene(cls, data: Any, handler: Callable[[Any], "Config"]) -> "Config":

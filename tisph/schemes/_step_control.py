@@ -58,7 +58,7 @@ class StepControl(Kept):
     scheme measures after each step (a velocity gradient, a velocity). ``fixed``: whether steps are that long whatever
     their error. ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which a wall
     velocity, a drive or a body force jumps; up to the last target they are targets as well. ``share``: least error of
-    a step over that of the spacing (``SHARE``).
+    a step over the error of the spacing (``SHARE``).
     """
 
     kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"

@@ -243,7 +243,7 @@ def write_last_good(folder: Folder, scene: Scene, config: Any, snapshot: Snapsho
     with replaced(folder.last_good) as new, hdf5_file(new) as file:
         write_snapshot(file, snapshot)
     video = config.output.video or type(config.output).model_fields["video"].default
-    frame = shared().request("still", *described(scene, video), config.title or config.name, config.time.end, snapshot)
+    frame = shared().request("still", *described(scene, video), config.heading, config.time.end, snapshot)
     Picture(folder.last_good_picture, frame.result).write()
 
 
@@ -325,9 +325,7 @@ class Picture:
 
 def movie(folder: Folder, settings: Any, scene: Scene) -> RemoteMovie:
     """Return the movie of a run, to which frames can be added."""
-    return RemoteMovie(
-        shared(), folder.movie, scene, settings.output.video, settings.title or settings.name, settings.time.end
-    )
+    return RemoteMovie(shared(), folder.movie, scene, settings.output.video, settings.heading, settings.time.end)
 
 
 def begin_pictures(folder: Folder, settings: Any, scene: Scene) -> list[Picture]:

@@ -132,7 +132,7 @@ class StokesSolver:
         columns[first], columns[others] = np.arange(n), table[listed]
 
         def matrix(field: Any) -> tuple[Any, Any, Any]:
-            """Return the matrix of all rows, of those of the fluid and of those of the walls."""
+            """Return the matrices of all rows, of the rows of the fluid and of the rows of the walls."""
             entries = np.zeros(ends[-1])
             entries[others] = view(field)[:n][listed]
             entries[first] = -np.add.reduceat(entries, first)
@@ -203,7 +203,7 @@ class StokesSolver:
     def parts(self, unknowns: np.ndarray, given: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return u (components, points), p (points,) and X (m,) of scaled ``unknowns``.
 
-        On walls u is by X and the ``given`` part, 0 or 1, of what is known.
+        On walls u is by X and the ``given`` part, 0 or 1, of the prescribed velocities.
         """
         unknowns, count = unknowns / self.units, self.fluid * self.components
         velocity, others = np.empty((self.components, self.n)), unknowns[count + self.n :]
@@ -314,7 +314,7 @@ class StokesSolver:
         return velocity + SWEEP * self.inverse * self.left(velocity, momentum)
 
     def left(self, velocity: np.ndarray, momentum: np.ndarray) -> np.ndarray:
-        """Return what velocities (components, fluid), 0 on walls, leave of the residual of (9)."""
+        """Return the residual of (9) with velocities (components, fluid) that are 0 on walls."""
         whole = np.zeros((self.components, self.n))
         whole[:, : self.fluid] = velocity
         by_y = [self.fluid_y @ each for each in whole] if self.axisymmetric else []

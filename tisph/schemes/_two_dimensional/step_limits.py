@@ -33,8 +33,8 @@ TOGETHER = 0.03
 """The same, of velocities and pressure that are solved for together: errors of the velocities."""
 
 SHARE_TOGETHER = 0.3
-"""Least error of a step over that of the spacing (``_step_control.SHARE``), where velocity and pressure are solved for
-together: velocities then follow the places of the particles at once, and scatter as much as those errors are. With 0.02
+"""``_step_control.SHARE`` where velocity and pressure are solved for together: velocities then follow the places of the
+particles at once, and scatter by the error of the spacing. With 0.02
 an Oldroyd-B fluid reaches the steady flow past a sphere in 688 steps, 100 more of them in vain, in place of 155; the
 pressure gradients are 690.526 and 690.504."""
 

@@ -90,9 +90,12 @@ def test_particles_that_are_no_numbers_leave_the_others_alone():
     assert grid.image() == pytest.approx(1.0, abs=1e-5)
 
 
+AT_REST = "drive", "acceleration", (0.0, 0.0)
+
+
 def box():
     return SimpleNamespace(
-        origin=(0.0, 0.0), extent=SIZE, periodic=(True, False), walls=(), bodies=(), spacing=0.05, acceleration=0.0
+        origin=(0.0, 0.0), extent=SIZE, periodic=(True, False), walls=(), bodies=(), spacing=0.05, drive_shown=AT_REST
     )
 
 
@@ -126,13 +129,15 @@ def test_a_track_follows_its_particle_and_ends_at_a_periodic_side():
 ACROSS = 40
 BOX = SimpleNamespace(
     extent=(1.0, 1.0), origin=(0.0, 0.0), periodic=(True, True), spacing=1 / ACROSS, reference_velocity=1.0,
-    bodies=(), walls=(), axisymmetric=False, seen=lambda snapshot: BOX,
+    bodies=(), walls=(), drive_shown=AT_REST, axisymmetric=False, seen=lambda snapshot: BOX,
 )  # fmt: skip
 
 
 def lines(scene, snapshot):
     """Return the lines in a frame of ``scene``."""
-    return Streamlines(scene, arrange(scene, 640, 320)).lines(snapshot)
+    streams = Streamlines(scene, arrange(scene, 640, 320))
+    stream = streams.measured(snapshot)
+    return streams.lines(stream) if stream else []
 
 
 def lines_of(u, v):
@@ -209,7 +214,7 @@ def test_fluid_at_rest_and_a_run_that_went_wrong_have_no_lines():
 
 SCENE = SimpleNamespace(
     origin=(0.0, 0.0), extent=(1.0, 1.0), periodic=(True, True), spacing=1 / 40, reference_velocity=2.0,
-    bodies=(), walls=(),
+    bodies=(), walls=(), drive_shown=AT_REST,
 )  # fmt: skip
 LAYOUT = arrange(SCENE, 1280, 640)
 
@@ -276,7 +281,7 @@ PERIODS = (SIDE, SIDE)
 
 def make_scene(*bodies, periodic):
     return SimpleNamespace(
-        bodies=bodies, periodic=(periodic, periodic), walls=(), origin=ORIGIN, extent=(SIDE, SIDE), acceleration=0.0
+        bodies=bodies, periodic=(periodic, periodic), walls=(), origin=ORIGIN, extent=(SIDE, SIDE), drive_shown=AT_REST
     )
 
 

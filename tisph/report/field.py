@@ -188,6 +188,7 @@ def _blend(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 _SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
+_MOST_ROWS = 40  # of discs: of more, the gaps between them make a moire
 _SHADES = 256
 _DOT, _DOT_COVER = 1.4, 0.55  # radius in a frame of 1280 x 640, and cover, of particles over a field
 
@@ -196,7 +197,8 @@ class FluidPainter:
     """Paints the fluid of ``scene`` into its box of ``layout``, coloured as ``quantity`` and ``video`` say."""
 
     def __init__(self, scene: Any, layout: Layout, quantity: Quantity, video: Any):
-        self.style = ("particles" if scene.parallel else "field") if video.style == "auto" else video.style
+        few = scene.extent[1] / scene.spacing <= _MOST_ROWS
+        self.style = ("particles" if scene.parallel and few else "field") if video.style == "auto" else video.style
         self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape
         whole = layout.shown_length == scene.extent[0] and scene.periodic[0]
         self._periodic = whole, scene.periodic[1]

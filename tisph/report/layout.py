@@ -58,6 +58,7 @@ class Layout:
     the shown part of the box, ``shown_length`` is its length along x; ``pixels_per_length`` is the same along x and y.
     ``box``, ``profile``, ``series``, ``time_label``, ``error_label`` and the velocities on walls that oscillate are all
     that changes from frame to frame. Left of the column ``split``, beside walls, there is room for their labels.
+    ``time_label`` and ``error_label`` share a row.
     """
 
     width: int
@@ -116,20 +117,19 @@ def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGH
     box_width, box_height = round(shown * pixels_per_length), round(size_y * pixels_per_length)
     if fits[0] >= fits[1]:
         box = Rect(left, top + (beside[1] - box_height) // 2, max(2, box_width), max(2, box_height))
-        split = max(box.right + bar, left + px(_LEAST_BOX))
+        split = max(box.right + bar, left + px(_LEAST_BOX) if scene.walls or any(scene.drive_shown[2]) else 0)
         region = Rect(split + px(_GAP[0]), top, 0, height - px(56) - top)
     else:
         box = Rect(left + (below[0] - box_width) // 2, top, max(2, box_width), max(2, box_height))
         split = width - px(8)
         region = Rect(left, box.bottom + under + px(30), 0, height - px(56) - box.bottom - under - px(30))
     profile, series = _panels(Rect(region.left, region.top, right - region.left, region.height), px)
-    half = profile.width // 2
     return Layout(
         width, height, theme, scale, split, tuple(low), (low[0] + shown, low[1] + size_y), shown,
         pixels_per_length, box=box, profile=profile, series=series,
         colour_bar=_colour_bar(box, px, px(10) if wall else 0),
-        time_label=Rect(px(24), px(47), width - px(48), px(26)),
-        error_label=Rect(profile.right - half, profile.top - px(27), half, px(24)),
+        time_label=Rect(px(24), px(47), width // 2, px(26)),
+        error_label=Rect(width // 2 + px(24), px(47), width - width // 2 - px(50), px(26)),
         wall_thickness=wall,
     )  # fmt: skip
 

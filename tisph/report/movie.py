@@ -1,7 +1,8 @@
 """The MP4 of a run, and single frames of it as PNG.
 
 A frame shows one snapshot: the fluid, a live profile, numbers over time and labels over a background that stays.
-Axisymmetric flow is drawn in the whole plane through the axis: the half-plane and its mirror image.
+Axisymmetric flow is drawn in the whole plane through the axis: the half-plane and its mirror image. Around an inner
+cylinder it is drawn in the half-plane.
 """
 
 import contextlib
@@ -26,6 +27,7 @@ from tisph.errors import TisphError
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
+from tisph.measures.resolution import steadiness
 from tisph.report import style
 from tisph.report.encoder import Encoder
 from tisph.report.field import Dye, FluidPainter
@@ -41,8 +43,8 @@ from tisph.report.labels import (
     unit_label,
 )
 from tisph.report.layout import Layout, Rect, arrange
-from tisph.report.overlays import BodyTracks, Solids, Streamlines, Tracks, Vectors
-from tisph.report.panels import ProfilePanel, TimePanel, exact_values, measured
+from tisph.report.overlays import BodyTracks, Solids, StreamFunction, Streamlines, Tracks, Vectors
+from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, measured
 from tisph.report.quantities import Extremes, Quantity, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
 from tisph.scenes._views import Profile
@@ -160,13 +162,13 @@ class _Stage:
 
     def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""
-        px, label = self.layout.pixels, self.layout.error_label
-        left, row = self.layout.profile.left, label.top + label.height / 2
+        px, left, row = self.layout.pixels, self.layout.profile.left, self.layout.profile.top - self.layout.pixels(14)
         self.overlay.plot([left + px(6)], [row], "o", color=self.theme.particles, markersize=px(6))
         particles = self._text(left + px(15), row, "tisph", size=14, va="center")
         if quantity.profile.exact is None:
             return
-        self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference)
+        steady = ", drawn when the flow is" if quantity.profile.steady else ""
+        self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference + steady)
 
     def _key_line(self, start: float, row: float, name: str) -> None:
         """Draw the key to the thin line of exact or steady values, from ``start`` on."""
@@ -217,7 +219,10 @@ class _Stage:
             style.format_ticks(axis, exponent)
 
     def _label(self, axes: Axes, x_text: str | None, y_text: str | None) -> None:
-        """Name the axes; a name that is longer than its axis, and two margins at the side, is written smaller."""
+        """Name the axes. A name that is longer than its axis, and two margins at the side, is written smaller.
+
+        The unit of an upright one is first written below it.
+        """
         size, pad, box = self.layout.pixels(14), self.layout.pixels(4), axes.get_window_extent()
         for text, write, side, room in (
             (x_text, axes.set_xlabel, "width", box.width + self.layout.pixels(40)),
@@ -225,6 +230,8 @@ class _Stage:
         ):
             if text is not None:
                 label: Any = write(text, fontsize=size, labelpad=pad, parse_math=False)
+                if side == "height" and label.get_window_extent().height > room:
+                    label.set_text(text.replace(" [", "\n["))
                 while getattr(label.get_window_extent(), side) > room:
                     label.set_fontsize(0.95 * label.get_fontsize())
 
@@ -244,7 +251,7 @@ def _count(scene: Any) -> str:
     return f"{lattice} particles"
 
 
-_OVERLAYS = {"vectors": Vectors, "streamlines": Streamlines, "tracks": Tracks}
+_OVERLAYS = {"vectors": Vectors, "tracks": Tracks}
 
 
 @dataclass(frozen=True)
@@ -252,25 +259,37 @@ class Measured:
     """A snapshot, and the quantities that a frame shows.
 
     ``colours`` and ``profile`` (particles,) are the quantities of the field and of the profile panel, ``series`` the
-    numbers over time.
+    numbers over time, ``stream`` the stream function where streamlines are drawn.
     """
 
     snapshot: Snapshot
     colours: np.ndarray
     profile: np.ndarray
     series: np.ndarray
+    stream: StreamFunction | None = None
 
 
 class FrameRenderer:
     """Draws the frames of one run, each uint8 of shape (height, width, 3).
 
     ``scene`` is a ``tisph.scenes._scene.Scene``, ``layout`` its frame, ``video`` the config's ``output.video``,
-    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run. ``frame`` is the last
-    frame with an idle byte after each RGB, (height, width, 4), which is the fastest to fill and to encode.
+    ``title`` the name of the run; ``quantity`` and ``time_panel`` have the ranges of the run, ``streams`` its
+    streamlines, if any. ``frame`` is the last frame with an idle byte after each RGB, (height, width, 4), which is the
+    fastest to fill and to encode.
     """
 
-    def __init__(self, scene: Any, layout: Layout, video: Any, title: str, quantity: Quantity, time_panel: TimePanel):
+    def __init__(
+        self,
+        scene: Any,
+        layout: Layout,
+        video: Any,
+        title: str,
+        quantity: Quantity,
+        time_panel: TimePanel,
+        streams: Streamlines | None = None,
+    ):
         self.scene, self.layout, self.quantity, self._time_panel = scene, layout, quantity, time_panel
+        self._streams = streams
         labels = wall_labels(scene, layout)
         with style.plot_style(layout.theme):
             figure: Any = build_figure(scene, layout, title, quantity, time_panel)
@@ -296,21 +315,29 @@ class FrameRenderer:
         frame, picture, snapshot = self.frame, self.frame[:, :, :3], measured.snapshot
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
-        box, shown = self.layout.box, snapshot
+        box, shown = self.layout.box, _whole(self.scene, snapshot)
         values = [measured.colours, measured.profile]
-        if self.scene.axisymmetric:
-            shown, values = self.scene.mirrored(snapshot), [np.concatenate([each, each]) for each in values]
+        if shown is not snapshot:
+            values = [np.concatenate([each, each]) for each in values]
         self._fluid.paint(frame[box.slices], shown, *values)
+        if self._streams and measured.stream:
+            self._streams.paint(picture[box.slices], measured.stream)
         for overlay in self._overlays:
             overlay.paint(picture[box.slices], shown)
-        self._profile_panel.paint(picture, snapshot, measured.profile)
         self._time_panel.paint(picture, snapshot.t, measured.series)
+        self._profile_panel.paint(picture, snapshot, measured.profile, self._has_reference(snapshot.t))
         for label in self._changing_labels:
             label.paint(picture, snapshot.t)
         time, error, ink = self._time_label(snapshot.t), self._error_label(snapshot), self.layout.theme.text
         paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left", ink)
-        paint_text(picture, self.layout.error_label, error, self.layout.pixels(14), "right", ink)
+        paint_text(picture, self.layout.error_label, error, self.layout.pixels(18), "right", ink)
         return picture
+
+    def _has_reference(self, t: float) -> bool:
+        """Return whether the reference of the profile is one of time ``t``: a steady one is not before the flow is."""
+        if not self.quantity.profile.steady:
+            return True
+        return steadiness(self.scene, t, (None, None, self._time_panel.history(t)))["steady"]
 
 
 def _overlays(scene: Any, name: str) -> list:
@@ -365,6 +392,11 @@ class FullCut:
         return replace(snapshot, **double, reference=None, bodies=replace(given, **moved, **turned))
 
 
+def _whole(scene: Any, snapshot: Snapshot) -> Snapshot:
+    """Return a snapshot as ``scene`` shows it: with its mirror image in a ``FullCut``."""
+    return scene.mirrored(snapshot) if isinstance(scene, FullCut) else snapshot
+
+
 def _mirrored(body: Body) -> Body:
     """The mirror image of a ``body``: of a closed one by a polygon through points on it."""
     across = np.array([1.0, -1.0])
@@ -383,16 +415,20 @@ class Movie:
     """A movie of ``scene`` at ``path``, drawn and encoded a frame at a time.
 
     ``video`` is the config's ``output.video``, ``title`` the name of the run and ``end`` the time at which it ends.
-    Where exact values tell the ranges of axes and colours, a frame is drawn when it is added; else its snapshot waits
-    in a temporary file until the movie is closed and all ranges are known. The movie's own file is opened by the first
-    frame that is drawn, so a Movie that only serves ``save_frame`` writes none. As a context manager it closes the file
-    also after an error: the frames up to then can be played.
+    Where exact values tell the ranges of axes and colours, a frame is drawn when it is added. Else, and where there are
+    streamlines, its snapshot waits in a temporary file until the movie is closed and all ranges are known. The movie's
+    own file is opened by the first frame that is drawn, so a Movie that only serves ``save_frame`` writes none. As a
+    context manager it closes the file also after an error: the frames up to then can be played.
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
     def __init__(self, path: Path | str, scene: Any, video: Any, title: str, end: float):
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
+        whole = scene.axisymmetric and scene.origin[1] == 0.0  # an inner cylinder parts the halves: one is enough
+        self._shown: Any = FullCut(scene) if whole else scene
+        self._layout = arrange(self._shown, video.width, video.height, style.THEMES[video.theme])
+        self._streams = Streamlines(self._shown, self._layout) if video.overlay == "streamlines" else None
         self._dyed = video.color_by == "dye"
         self._series = scene.movie_series()
         self._view = scene.movie_view("speed" if self._dyed else video.color_by, end)
@@ -402,7 +438,8 @@ class Movie:
         self._ranges: _Ranges | None = None
         self._renderer: FrameRenderer | None = None
         self._encoder: Encoder | None = None
-        if self._view.ends and exact_values(self._series, np.array([end])) is not None:
+        self._known = bool(self._view.ends) and exact_values(self._series, np.array([end])) is not None
+        if self._known and not self._streams:
             self._renderer = self._new_renderer(None)
 
     def frame(self, snapshot: Snapshot) -> np.ndarray:
@@ -451,16 +488,16 @@ class Movie:
         view = self._view
         colours = view.of(snapshot)
         profile = colours if view.profile.of is view.of else view.profile.of(snapshot)
-        return Measured(snapshot, colours, profile, measured(self._series, snapshot))
+        stream = self._streams.measured(_whole(self._shown, snapshot)) if self._streams else None
+        return Measured(snapshot, colours, profile, measured(self._series, snapshot), stream)
 
     def _new_renderer(self, ranges: "_Ranges | None") -> FrameRenderer:
-        scene = FullCut(self._scene) if self._scene.axisymmetric else self._scene
-        layout = arrange(scene, self._video.width, self._video.height, style.THEMES[self._video.theme])
+        ranges = None if self._known else ranges
         ends = (ranges.colours.ends, ranges.profile.ends) if ranges else None
         shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, ends)
         shown = replace(shown, colour_map=style.DYE_MAP) if self._dyed else shown
-        panel = TimePanel(scene, layout, self._series, self._end, ranges.series.ends if ranges else None)
-        return FrameRenderer(scene, layout, self._video, self._title, shown, panel)
+        panel = TimePanel(self._shown, self._layout, self._series, self._end, ranges.series.ends if ranges else None)
+        return FrameRenderer(self._shown, self._layout, self._video, self._title, shown, panel, self._streams)
 
     def _draw(self, renderer: FrameRenderer, measured: Measured) -> None:
         if self._encoder is None:
@@ -495,4 +532,4 @@ class _Ranges:
         self.count += 1
         self.colours.add(measured.colours)
         self.profile.add(measured.profile[self._line.near(measured.snapshot)])
-        self.series.add(measured.series)
+        self.series.add(measured.series[:NUMBERS])

@@ -16,6 +16,7 @@ an even grid. Lines are dark with a light rim, which is seen on any colour.
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -288,11 +289,23 @@ _BEYOND = 1.5  # pitches of the grid: so far lines go on under the picture of a 
 _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that only errors make
 
 
+@dataclass(frozen=True)
+class StreamFunction:
+    """``psi`` (rows, columns) at the nodes of ``Streamlines``, NaN within bodies; its ``ends`` in the fluid."""
+
+    psi: np.ndarray
+    ends: tuple[float, float]
+
+
 class Streamlines:
-    """Paints lines into the box of ``scene``, of even width."""
+    """Paints lines into the box of ``scene``, of even width, with ``step`` of the stream function from line to line.
+
+    The step is the same in all frames: a flow twice as strong has twice as many lines.
+    """
 
     def __init__(self, scene: Any, layout: Layout):
-        self._scene, self._layout = scene, layout
+        self._scene, self._layout, self.step = scene, layout, 0.0
+        self._least_step = _RESTING * scene.reference_velocity * min(scene.extent) / _LINES
         self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
         pitch = max(_FINEST * scene.spacing, np.sqrt(np.prod(high - low) / _MOST))
@@ -303,18 +316,27 @@ class Streamlines:
         self._difference: Any = None
         self._factors: Any = None
 
-    def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
-        """Lay the lines of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        lines = [self._layout.pixel_positions(*line.T) for line in self.lines(snapshot)]
+    def paint(self, panel: np.ndarray, stream: StreamFunction) -> None:
+        """Lay the lines of ``stream`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
+        lines = [self._layout.pixel_positions(*line.T) for line in self.lines(stream)]
         self._strokes.paint(panel, dense_lines(lines))
 
-    def lines(self, snapshot: Snapshot) -> list[np.ndarray]:
-        """Return the lines, places (n, 2) each; none where the fluid rests, or where a run went wrong."""
+    def lines(self, stream: StreamFunction) -> list[np.ndarray]:
+        """Return the lines, places (n, 2) each; none where the fluid rests."""
         from contourpy import LineType, contour_generator
 
+        if self.step < self._least_step:
+            return []
+        x, y = self._axes
+        contours: Any = contour_generator(x, y, np.ma.masked_invalid(stream.psi), line_type=LineType.Separate)
+        levels = np.arange(stream.ends[0] + 0.5 * self.step, stream.ends[1], self.step)
+        return [line for level in levels for line in contours.lines(level)]
+
+    def measured(self, snapshot: Snapshot) -> StreamFunction | None:
+        """Return the stream function of ``snapshot``, None where a run went wrong; widen ``step`` to ten lines in it."""
         places, velocity = with_walls(self._scene, snapshot)
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
-            return []
+            return None
         depth = self._depth(snapshot)
         self._prepare(depth > -_BEYOND * self._pitch.max())
         flow = np.zeros(self._nodes.shape)
@@ -322,13 +344,9 @@ class Streamlines:
         if self._scene.axisymmetric:
             flow *= np.abs(self._nodes[:, :, 1:])
         psi = self._stream_function(flow)
-        least, most = psi[depth >= 0.0].min(), psi[depth >= 0.0].max()
-        if most - least < _RESTING * self._scene.reference_velocity * min(self._scene.extent):
-            return []
-        x, y = self._axes
-        contours: Any = contour_generator(x, y, np.ma.array(psi, mask=~self._wet), line_type=LineType.Separate)
-        levels = least + (np.arange(_LINES) + 0.5) / _LINES * (most - least)
-        return [line for level in levels for line in contours.lines(level)]
+        within = psi[depth >= 0.0]
+        self.step = max(self.step, float(np.ptp(within)) / _LINES)
+        return StreamFunction(np.where(self._wet, psi, np.nan), (float(within.min()), float(within.max())))
 
     def _depth(self, snapshot: Snapshot) -> np.ndarray:
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""

@@ -14,7 +14,7 @@ from tisph.report.raster import Discs, Points, blend, dense_line, dense_lines
 from tisph.scenes._views import Line, TimeSeries
 from tisph.snapshot import Snapshot
 
-_NUMBERS = 3  # that are drawn: as many as have colours
+NUMBERS = 3  # that are drawn: as many as have colours
 _EXACT_TIMES = 200
 
 
@@ -30,8 +30,8 @@ class TimePanel:
         self.colours = layout.theme.series[: len(series.columns)]
         self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
         exact = exact_values(series, self.exact_times)
-        self.exact = None if exact is None else exact[:, :_NUMBERS]
-        levels = np.ravel(series.levels if exact is None else ())[:_NUMBERS]
+        self.exact = None if exact is None else exact[:, :NUMBERS]
+        levels = np.ravel(series.levels if exact is None else ())[:NUMBERS]
         self.levels = _scaled(series, levels) if len(levels) else levels
         within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
         if series.unit in ("energy", "velocity"):  # sizes are the content, not changes alone
@@ -47,20 +47,24 @@ class TimePanel:
     @property
     def labels(self) -> list[str]:
         """Names of the numbers."""
-        pairs: Any = self.series.labels[:_NUMBERS]
+        pairs: Any = self.series.labels[:NUMBERS]
         return [name if place is None else f"{name} = {number(place, 3)}" for name, place in pairs]
 
     def paint(self, picture: np.ndarray, t: float, values: np.ndarray) -> None:
         """Draw the lines up to time ``t``, at which the numbers are ``values``."""
-        self._seen[t] = values[:_NUMBERS]
-        times = np.array(sorted(time for time in self._seen if time <= t))
-        seen = np.array([self._seen[time] for time in times])
+        self._seen[t] = values[:NUMBERS]
+        times, seen = self.history(t)
         panel = picture[self._layout.series.inner.slices]
         for values, colour in zip(seen.T, self.colours, strict=True):
             known = np.isfinite(values)
             if known.any():
                 line = dense_line(self._pixels(times[known], values[known]))
                 blend(panel, self._pen.cover(line), style.rgb(colour))
+
+    def history(self, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return times (n,) and numbers (n, numbers) of the frames up to time ``t``."""
+        times = np.array(sorted(time for time in self._seen if time <= t))
+        return times, np.array([self._seen[time] for time in times])
 
     def _pixels(self, times: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         (first, last), (low, high), rect = self.times, self.range, self._layout.series
@@ -109,8 +113,8 @@ class ProfilePanel:
         self._places = [np.broadcast_to(place, _FIELD_POINTS) for place in line.points(line.coordinates(_FIELD_POINTS))]
         self._strokes, self._mark = Strokes(scale, layout.box.shape), self._mark_of(line)
 
-    def paint(self, picture: np.ndarray, snapshot: Snapshot, values: np.ndarray) -> None:
-        """Draw the profile of ``values`` (particles,) and, in the fluid, its place."""
+    def paint(self, picture: np.ndarray, snapshot: Snapshot, values: np.ndarray, has_reference: bool) -> None:
+        """Draw the profile of ``values`` (particles,), its reference if it has one now and, in the fluid, its place."""
         panel, profile = picture[self._layout.profile.inner.slices], self._quantity.profile
         theme = self._layout.theme
         if self._grid:
@@ -121,7 +125,7 @@ class ProfilePanel:
             near = profile.line.near(snapshot)
             dots = self._pixels(values[near], profile.line.of(snapshot)[near])
             blend(panel, self._dots.cover(dots), style.rgb(theme.particles))
-        if profile.exact:
+        if profile.exact and has_reference:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
             curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))

@@ -567,10 +567,15 @@ class Cell(BodyScene):
     def movie_series(self) -> TimeSeries:
         """Return forces on the bodies, or on the walls of a cell without bodies.
 
-        With free bodies: heights of the first ``SHOWN`` bodies, or mean velocities of many.
+        With free bodies: the distance of two, heights of the first ``SHOWN``; of many the relative viscosity in shear,
+        else mean velocities.
         """
         if not self.has_free_bodies:
             return self.time_series().only(("drag", "lift"), "force per length", "force")
+        if len(self._free) == 2:
+            return self._distance_series()
+        if self._means_only and self.mean_stress_names:
+            return self._relative_viscosity_series()
         kinds = ("bodies_mean_u", "bodies_mean_v") if self._means_only else ("y",)
         found = [(kind, name) for kind, name in self._motion_columns if kind in kinds][:SHOWN]
         chosen = [f"{kind}{name}" for kind, name in found]
@@ -587,6 +592,51 @@ class Cell(BodyScene):
             scale=self._motion_sizes[kinds[0]],
             columns=chosen,
             labels=[(self._label(*each), None) for each in found],
+            measure=measure,
+        )
+
+    def _distance_series(self) -> TimeSeries:
+        """Return the distance between the centres of two free bodies, and their distance in contact if both are round.
+
+        A body that has left a periodic box counts where it comes in again.
+        """
+        radii = [getattr(self.bodies[index].shape, "radius", math.nan) for index in self._free]
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            bodies: Any = snapshot.bodies
+            apart = bodies.centre[self._free[0]] - bodies.centre[self._free[1]]
+            nearest = apart - np.array(self.extent) * np.rint(apart / self.extent)
+            return np.array([np.hypot(*np.where(self.periodic, nearest, apart))])
+
+        return TimeSeries(
+            content="distance of two bodies over time t",
+            name="distance",
+            unit="length",
+            scale=self.reference_length,
+            columns=["distance"],
+            labels=[("between their centres", None)],
+            measure=measure,
+            levels=[sum(radii)],
+            level_name="in contact",
+        )
+
+    def _relative_viscosity_series(self) -> TimeSeries:
+        """Return ``mean_stresses`` over viscosity and shear rate; NaN while the walls are not moving."""
+        names = self.mean_stress_names[:2]
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            rate = sum(float(wall.velocity(snapshot.t)) * (1 if side == "top" else -1) for side, wall in self.walls)
+            stresses = self.mean_stresses(snapshot)
+            viscous = self.dynamic_viscosity * rate / self.size[1] or math.nan
+            return np.array([stresses[name] for name in names]) / viscous
+
+        return TimeSeries(
+            content="relative viscosity of the suspension over time t",
+            name="relative viscosity",
+            unit="number",
+            scale=1.0,
+            columns=[name.replace("shear_stress", "relative_viscosity") for name in names],
+            labels=[(STRESS_WORDS[name], None) for name in names],
             measure=measure,
         )
 

@@ -84,8 +84,8 @@ class Profile:
 
     ``of``: function of a snapshot that returns the quantity (particles,). ``unit``: a kind of unit that
     ``report/labels.py`` knows. ``exact``: function of places x, y and times, which broadcast, that returns the
-    reference; None without one. ``reference``: its name in pictures. ``scale``: value and name of the scale over which
-    errors are shown, if any.
+    reference; None without one. ``reference``: its name in pictures; ``steady``: whether it is one of the steady state
+    alone. ``scale``: value and name of the scale over which errors are shown, if any.
     """
 
     name: str
@@ -95,6 +95,7 @@ class Profile:
     exact: Callable | None = None
     scale: tuple[float, str] | None = None
     reference: str = "exact"
+    steady: bool = False
 
     def extremes(self, start: float, end: float) -> tuple[float, float]:
         """Return the smallest and largest finite value of the reference on the line from time ``start`` to ``end``.

@@ -253,10 +253,10 @@ class Cavity(BodyScene):
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
             exact = lambda x, y, t: flow.velocity(x, y)["uv".index(field)]  # noqa: E731
-            reference = {"exact": exact, "scale": scale, "reference": "steady"}
+            reference = {"exact": exact, "scale": scale, "reference": "steady", "steady": True}
         elif tables:
             name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
-            reference = {"exact": self._curve(field, tables), "reference": f"{name}, steady"}
+            reference = {"exact": self._curve(field, tables), "reference": f"{name}, steady", "steady": True}
         return velocity_profile(self, field, along, **reference)
 
 

@@ -215,7 +215,7 @@ class Scene(AxisymmetricScene):
             sizes=[torque, torque, energy, energy, energy],
             panels=[*2 * [("torque", "moment")], *2 * [("energy of the vortices", "energy")], ("energy", "energy")],
             levels=[sign, -sign, *3 * [np.nan]] if newtonian else (),
-            level_name="steady laminar flow",
+            level_name="laminar",
         )
 
     def movie_series(self) -> TimeSeries:

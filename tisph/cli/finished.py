@@ -192,7 +192,7 @@ def rheometry(
             print(*lines, sep="\n  ")
 
     for run, reading in zip(runs, readings, strict=True):
-        name = run.config.heading
+        name = run.config.title or run.config.name
         say(f"{name}: {reading.title}", *reading.lines)
         finite = {key: float(value) if math.isfinite(value) else None for key, value in reading.numbers.items()}
         rows.append({"run": str(run.folder), "title": reading.title, **finite})

@@ -199,8 +199,9 @@ class Config(Model):
 
     @property
     def heading(self) -> str:
-        """The title of pictures: ``title``, or the name of the run."""
-        return self.title or self.name
+        """The title of pictures: ``title``, or scene and fluid in words."""
+        scene, fluid = registry.summary("scenes", self.scene), registry.summary("rheology", self.fluid.rheology.type)
+        return self.title or f"{scene.partition(':')[0]}, {fluid.partition(':')[0]}"
 
     @model_validator(mode="wrap")
     @classmethod

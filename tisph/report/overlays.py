@@ -1,8 +1,8 @@
 """Bodies, streamlines, paths and arrows over the fluid of a movie frame.
 
 A body is filled, has an outline, and lines that show how it rotates and slides. A body in the fluid that rotates, or
-that the flow may rotate, has a spoke from its centre to its rim. A wall around the fluid that moves has short marks
-that move with it: a closed curve one, a straight wall some a period.
+that the flow may rotate, has a spoke from its centre to its rim; an arrow shows which way a motor turns it. A wall
+around the fluid that moves has short marks that move with it: a closed curve one, a straight wall some a period.
 
 Streamlines are lines of equal stream function psi, u = dpsi/dy and v = -dpsi/dx: between any two next to each other as
 much fluid flows. psi solves psi[b] - psi[a] = flow rate between a and b over all pairs of neighbouring nodes of a grid,
@@ -57,7 +57,7 @@ class Solids:
         self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
         self._solids = [_kind(body)(body, layout, _MARK_LENGTH * max(scene.extent)) for body in scene.bodies]
-        self._position: tuple[bytes, bytes] | None = None
+        self._position: tuple[bytes, ...] | None = None
         self._covers: Any = None
         above = np.arange(self._shape[0])[:, None] < layout.pixel_positions(0.0, 0.0)[1]
         halves = {0.0: above >= 0, 1.0: above, -1.0: ~above}
@@ -66,7 +66,7 @@ class Solids:
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the bodies of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
         bodies: Any = snapshot.bodies
-        position = bodies.centre.tobytes(), bodies.angle.tobytes()
+        position = bodies.centre.tobytes(), bodies.angle.tobytes(), np.sign(bodies.angular_velocity).tobytes()
         if position != self._position:  # resting bodies are drawn once
             self._position, self._covers = position, self._cover(bodies)
         within, rims, lines = self._covers
@@ -78,8 +78,9 @@ class Solids:
     def _cover(self, bodies: Bodies) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return which pixels are all within areas, the coverage of the others by areas, and of all by lines."""
         areas, lines = np.zeros(self._shape, dtype=np.uint8), []
-        for solid, part, centre, angle in zip(self._solids, self._parts, bodies.centre, bodies.angle, strict=True):
-            for edge, strokes in solid.drawn(centre, float(angle)):
+        turns = np.sign(bodies.angular_velocity)
+        for solid, part, *place in zip(self._solids, self._parts, bodies.centre, bodies.angle, turns, strict=True):
+            for edge, strokes in solid.drawn(*place):
                 area = filled(self._layout.pixel_positions(*edge.T), self._shape)
                 areas = np.maximum(areas, part * (area if solid.encloses else LEVELS - area))
                 lines += [self._layout.pixel_positions(*stroke.T) for stroke in strokes]
@@ -99,6 +100,7 @@ class _ImmersedBody:
         self._edge = boundary.point
         self._strokes = [np.concatenate([self._edge, self._edge[:1]])]
         motion: Any = body.motion
+        self._arrow = self._turning_arrow(mark) if motion.rotation.largest_speed and not body.free else None
         if motion.rotation.largest_speed or (body.free and not motion.inertia.held[2]):
             self._strokes.append(self._mark(boundary, mark))
 
@@ -106,14 +108,23 @@ class _ImmersedBody:
         """Return the line (2, 2) that shows how the body rotates."""
         return np.stack([np.zeros(2), boundary.point[0]])
 
-    def drawn(self, centre: np.ndarray, angle: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
-        """Yield edge (n, 2) and lines of each copy that may be in sight, of a body at ``centre``."""
+    def _turning_arrow(self, mark: float) -> np.ndarray:
+        """Return the line (n, 2) of an arrow within the body that turns counterclockwise around (0, 0)."""
+        return _arc_arrow(_ARROW_RADIUS * np.linalg.norm(self._edge, axis=1).min(), -0.75 * np.pi, 0.7)
+
+    def drawn(self, centre: np.ndarray, angle: float, turn: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
+        """Yield edge (n, 2) and lines of each copy that may be in sight, of a body at ``centre``.
+
+        ``turn``: 1, 0 or -1, counterclockwise, none or clockwise.
+        """
+        arrow = [] if self._arrow is None or not turn else [self._arrow if turn > 0 else self._arrow[:, ::-1]]
         for axis, period in enumerate(self.body.periods):
             if math.isfinite(period):  # it may have left the box
                 centre = centre - period * np.floor((centre - self._low) / period) * (np.arange(2) == axis)
         for offset in ((0.0, 0.0), *self.body.periodic_offsets()):
             place = Placement(centre + offset, angle)
-            yield place.to_lab_frame(self._edge), [place.to_lab_frame(stroke) for stroke in self._strokes]
+            turned = [place.to_lab_frame(stroke) for stroke in self._strokes]
+            yield place.to_lab_frame(self._edge), turned + [place.centre + line for line in arrow]
 
 
 class _ContainerWall(_ImmersedBody):
@@ -123,6 +134,25 @@ class _ContainerWall(_ImmersedBody):
 
     def _mark(self, boundary: Any, mark: float) -> np.ndarray:
         return np.stack([boundary.point[0], boundary.point[0] - mark * boundary.normal[0]])
+
+    def _turning_arrow(self, mark: float) -> np.ndarray:
+        radius = np.linalg.norm(self._edge, axis=1).max() + 1.5 * mark
+        return _arc_arrow(radius, 0.25 * np.pi, 0.15, 0.04)
+
+
+_ARROW_RADIUS = 0.6  # of the largest circle around the centre of a body and in it
+
+
+def _arc_arrow(radius: float, middle: float, half: float, head: float = 0.3) -> np.ndarray:
+    """Return the line (n, 2) of an arrow along an arc, the angle ``half`` to both sides of the angle ``middle``.
+
+    ``head``: length of its head over the radius. Exchanged x and y turn it the other way, as ``middle`` is diagonal.
+    """
+    angle = middle + np.linspace(-half, half, 40)
+    tip, back = angle[-1], angle[-1] - head
+    angles = np.concatenate([angle, [back, tip, back]])
+    radii = radius * np.concatenate([np.ones(40), [1.0 + 0.6 * head, 1.0, 1.0 - 0.6 * head]])
+    return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
 
 
 class _StraightWall:
@@ -135,7 +165,7 @@ class _StraightWall:
         shape: Any = body.shape
         self._mark = -mark * shape.normal
 
-    def drawn(self, centre: np.ndarray, angle: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
+    def drawn(self, centre: np.ndarray, angle: float, turn: float) -> Iterator[tuple[np.ndarray, list[np.ndarray]]]:
         """Yield edge and lines; marks that have left one end of the period are at the other."""
         line, place = self.body.shape, Placement(centre, angle)
         along, behind = line.length * np.array(line.tangent), -10 * line.length * line.normal
@@ -333,7 +363,7 @@ class Streamlines:
         return [line for level in levels for line in contours.lines(level)]
 
     def measured(self, snapshot: Snapshot) -> StreamFunction | None:
-        """Return the stream function of ``snapshot``, None where a run went wrong; widen ``step`` to ten lines in it."""
+        """Return the stream function of a snapshot, None where a run went wrong; widen ``step`` to ten lines in it."""
         places, velocity = with_walls(self._scene, snapshot)
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return None

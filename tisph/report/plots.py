@@ -38,6 +38,7 @@ _CURVE_POINTS = 300
 _CURVE_POINTS_A_PERIOD = 40
 _MOST_CURVE_POINTS = 4000
 _LEGEND_ENTRIES = 12
+_OFTEN = 0.25  # of the times
 _MARGIN = 0.1  # of the range of the resolved values, at both ends of the axis
 _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less than that is noise
 
@@ -138,9 +139,12 @@ def _mark_unresolved(axes: Axes, times: np.ndarray, resolved: np.ndarray, label:
 
 
 def _fit_to_what_is_resolved(axes: Axes, resolved: np.ndarray, values: np.ndarray) -> None:
-    """Let the axis show numbers at times at which the flow is resolved, and smaller ones, not an infinite start."""
+    """Let the axis show numbers at times at which the flow is resolved, and smaller ones, not an infinite start.
+
+    Of a flow that is rarely resolved all numbers are shown.
+    """
     values = np.where(np.isfinite(values), values, np.nan)
-    if any(resolved):
+    if np.mean(resolved) > _OFTEN:
         values = values[resolved[:, None] | (np.abs(values) <= np.nanmax(np.abs(values[resolved]), initial=0.0))]
     values = values[np.isfinite(values)]
     if values.size:

@@ -1,4 +1,4 @@
-"""Plane channel 0 <= y <= gap, periodic in x: flow driven by its walls (steady or oscillating) and an acceleration.
+"""Channel flow: between planes y = 0 and y = gap, periodic in x, driven by the walls and by an acceleration.
 
 The walls are the planes y = 0 and y = gap; fluid particles start at cell centres, (i + 1/2) spacing. Motion
 starts, or changes, at t = 0. The run's clock starts at ``start_time``: at the initial time of the config for the

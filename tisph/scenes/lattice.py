@@ -1,4 +1,4 @@
-"""Bodies in a doubly periodic cell: fluid flows through a lattice of them, or they move in it.
+"""Lattice of bodies: in a doubly periodic cell, fluid flows through a lattice of them, or they move in it.
 
 The cell is 0 <= x <= length, 0 <= y <= height; bodies may lie across its edges. The fluid is at rest at first, and
 driven by an acceleration along x, by bodies that move, or both. An acceleration f represents a pressure that falls by

@@ -1,4 +1,4 @@
-"""Flow along a pipe, or between two coaxial pipes, and around their axis: started, driven, oscillating, turning.
+"""Pipe flow: along a pipe, or between two coaxial pipes, and around their axis; started, driven, oscillating, turning.
 
 An acceleration along the axis drives the fluid, constant or oscillating; walls move along the axis and turn around it
 at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the axis. In a

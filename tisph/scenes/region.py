@@ -1,4 +1,4 @@
-"""Any combination of walls, bodies and a drive: fluid inside a closed wall, or between two planes, around bodies.
+"""Flow in a region of any shape: fluid inside a closed wall, or between two planes, around bodies.
 
 With ``walls: {around: SHAPE}`` the fluid is inside a circle, an ellipse, a polygon or a closed curve, which may turn
 about its centre. Otherwise it is in the cell 0 <= x <= length, 0 <= y <= height of the ``geometry``, which is periodic

@@ -1,4 +1,4 @@
-"""A sphere, or a spheroid, on the axis of a tube: held in a flow, moved along the axis, turned around it, or falling.
+"""Sphere or spheroid in a tube: on its axis, held in a flow, moved along the axis, turned around it, or falling.
 
 The flow is periodic along the tube, and the body in the middle at first. With the closure ``no_flux`` a pressure
 gradient maintains the mean velocity over each cross-section, which is 0 in a tube that is closed far away. With

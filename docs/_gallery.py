@@ -12,12 +12,15 @@ In a text, <<name>> stands for the number of that name; a key may be a sum, ``sa
 """
 
 import hashlib
+import itertools
 import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -65,10 +68,15 @@ class Job:
         text = json.dumps([self.config.read_text(encoding="utf-8"), self.settings, package()])
         return hashlib.sha256(text.encode()).hexdigest()
 
-    def command(self):
-        """Return the arguments of tisph, as a reader types them."""
-        sets = [word for text in self.settings for word in ("--set", text)]
+    def command(self, settings):
+        """Return the arguments of tisph."""
+        sets = [word for text in settings for word in ("--set", text)]
         return ["run", self.config.relative_to(ROOT).as_posix(), *sets]
+
+    def line(self):
+        """Return the command that a reader pastes into a shell: into a folder of its own, its movie in full size."""
+        settings = [text for text in self.settings if text not in (*MOVIE, *NO_MOVIE)]
+        return shlex.join(["tisph", *self.command(settings), "--out", f"runs/try/{self.name}"])
 
     def make(self):
         """Run it, unless its results are there; RuntimeError with the last lines of what it printed if that fails."""
@@ -80,7 +88,7 @@ class Job:
         extra += self.cut_short() if DRAFT else []
         environment = dict(os.environ, OMP_NUM_THREADS="1", PYTHONPATH=str(ROOT))
         done = subprocess.run(
-            [sys.executable, "-m", "tisph", *self.command(), *extra],
+            [sys.executable, "-m", "tisph", *self.command(self.settings), *extra],
             cwd=ROOT,
             env=environment,
             capture_output=True,
@@ -192,7 +200,6 @@ def page(name, flow, up):
     """Return a page as Markdown; ``up`` leads from the page to the folder of its movie."""
     own, *exercises = jobs(name, flow)
     summary = own.summary()
-    settings = " ".join(f"--set {text}" for text in own.settings if text not in MOVIE)
     parts = [
         f"# {flow['title']}",
         filled(flow["question"], summary, flow["numbers"]),
@@ -203,7 +210,7 @@ def page(name, flow, up):
         unresolved(summary),
         f"![{flow['plot_alt']}]({name}-{flow.get('plot', 'profiles')}.png)",
         f"## Try this\n\n{exercise_texts(flow, exercises)}",
-        f"## Config\n\n```\ntisph run configs/{flow['config']}.yaml {settings}".rstrip() + "\n```",
+        f"## Config\n\n```\n{own.line()}\n```",
         f"The movie on this page is smaller (`{'`, `'.join(MOVIE)}`).",
         f"```yaml\n{own.config.read_text(encoding='utf-8').strip()}\n```",
     ]
@@ -228,8 +235,7 @@ def exercise_texts(flow, exercises):
     texts = []
     for number, (exercise, job) in enumerate(zip(flow["try"], exercises, strict=True), 1):
         answer = filled(exercise["answer"], {} if DRAFT else job.summary(), exercise["numbers"])
-        sets = " ".join(f"--set {text}" for text in exercise["settings"])
-        hidden = f"<details markdown><summary>Answer</summary>\n\n`{sets}`\n\n{answer}\n\n</details>"
+        hidden = f"<details markdown><summary>Answer</summary>\n\n```\n{job.line()}\n```\n\n{answer}\n\n</details>"
         texts.append(f"**{number}.** {exercise['question'].strip()}\n\n{hidden}")
     return "\n\n".join(texts)
 
@@ -244,14 +250,28 @@ def index(chosen):
     return "\n\n".join([head, tail, *rows]) + "\n"
 
 
+def in_turn(work, items, label):
+    """Return ``work`` of all items, done ``AT_ONCE`` at a time; each prints a line when it is done."""
+    start, number = time.perf_counter(), itertools.count(1)
+
+    def noted(item):
+        begin = time.perf_counter()
+        result = work(item)
+        now = time.perf_counter()
+        took = f"{now - begin:.0f} s, {(now - start) / 60:.1f} min in all"
+        print(f"{label} {next(number)} of {len(items)}: {getattr(item, 'name', item)} ({took})", flush=True)
+        return result
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        return list(pool.map(noted, items))
+
+
 def make(names=()):
     """Make the runs of some pages, or of all, and check their numbers; OutOfBoundsError lists those out of bounds."""
     chosen = {name: flow for name, flow in flows().items() if not names or name in names}
     wanted = [job for name, flow in chosen.items() for job in jobs(name, flow)]
     wanted = [job for job in wanted if job.name in DRAFT_RUNS or not DRAFT]
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        for number, _ in enumerate(pool.map(Job.make, wanted), 1):
-            print(f"gallery: run {number} of {len(wanted)} is ready: {wanted[number - 1].name}", flush=True)
+    in_turn(Job.make, wanted, "gallery: run")
     if DRAFT:
         return chosen
     lines = []

@@ -8,6 +8,8 @@ import _gallery as gallery
 import _reference as reference
 import pytest
 import typer
+from shell import pasted
+from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, config, registry
@@ -229,6 +231,23 @@ def test_each_number_in_a_text_is_asserted(name):
         used = set(gallery.re.findall(r"<<(\w+)>>", text))
         assert used <= {check["name"] for check in bounds}
         assert all("below" in check or {"equals", "within"} <= set(check) for check in bounds)
+
+
+@pytest.mark.parametrize("name", FLOWS)
+def test_commands_of_a_page_can_be_pasted(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(gallery, "DRAFT", True)  # no run is needed for its numbers
+    monkeypatch.setattr(gallery.Job, "summary", lambda self: {"samples": []})
+    lines = re.findall(r"^tisph .*", gallery.page(name, FLOWS[name], ""), flags=re.MULTILINE)
+    commands = pasted(lines, tmp_path)
+    shown = [tuple(word for word in words if "=" in word) for words in commands]
+    jobs = gallery.jobs(name, FLOWS[name])
+    unseen = {*gallery.MOVIE, *gallery.NO_MOVIE}
+    assert sorted(shown) == sorted(tuple(text for text in job.settings if text not in unseen) for job in jobs)
+    monkeypatch.chdir(ROOT)
+    for run, *words in commands:
+        assert (run, words[-2]) == ("run", "--out")
+        done = CliRunner().invoke(cli.app, ["check", *words[:-2]])  # as run reads them
+        assert done.exit_code == 0, f"{words}: {done.stderr}"
 
 
 def test_a_number_out_of_its_bound_is_named():

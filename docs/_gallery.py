@@ -3,7 +3,8 @@
 ``make docs`` calls ``add``. Each file says which config is run, with what settings, the text of its page, and the
 numbers in it. A number that is not within its bound ends the build, with the names of the page and of the number. Runs
 are kept in runs/gallery/ and used again as long as config, settings and package are the same.
-``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, and prints their numbers.
+``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, prints their numbers, and leaves their
+panels and the index in docs/gallery/, which a clone shows without a site.
 
 ``make docs-draft`` (GALLERY=draft) makes the beginning of ``DRAFT_RUNS`` alone. The other pages show the pictures of
 the first of them, and no page has numbers: the site is built and looked at as a whole in a few minutes.
@@ -12,6 +13,7 @@ In a text, <<name>> stands for the number of that name; a key may be a sum, ``sa
 """
 
 import hashlib
+import io
 import itertools
 import json
 import math
@@ -26,10 +28,13 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import imageio_ffmpeg
+from PIL import Image, ImageOps
 from ruamel.yaml import YAML
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXTS = ROOT / "docs" / "_gallery"
+PANELS = ROOT / "docs" / "gallery"
 DRAFT = os.environ.get("GALLERY") == "draft"
 RUNS = ROOT / "runs" / ("gallery-draft" if DRAFT else "gallery")
 DRAFT_RUNS = "couette", "cylinder_in_channel", "taylor_vortices"
@@ -44,6 +49,12 @@ MOVIE = [
 ]
 NO_MOVIE = ["output.video.frames=2"]
 AT_ONCE = 2
+ACROSS = 3
+"""Panels in a row of the index."""
+TILE = (360, 240)
+"""Pixels of a panel."""
+MIDDLE = 0.5
+"""Part of a movie at which its panel is taken, where the page has no ``still``."""
 
 
 class OutOfBoundsError(Exception):
@@ -240,14 +251,49 @@ def exercise_texts(flow, exercises):
     return "\n\n".join(texts)
 
 
-def index(chosen):
-    """Return the first page of the gallery: a picture of each flow, with its title."""
+def index(links, said):
+    """Return the first page of the gallery: panels of all flows, three a row, with their titles; ``links`` by name."""
     head = "# Gallery\n\nOne page a flow: why one looks at it, a movie, numbers beside the reference, two exercises."
-    tail = "All runs are made with this site, and the site is not made if a number leaves its bound."
-    rows = [
-        f"[![{flow['alt']}]({name}.jpg)]({name}.md)\n\n[{flow['title']}]({name}.md)" for name, flow in chosen.items()
-    ]
-    return "\n\n".join([head, tail, *rows]) + "\n"
+    tiles = {name: f"![{flow['alt']}]({name}-panel.jpg)<br>{flow['title']}" for name, flow in flows().items()}
+    cells = [f"[{tile}]({links[name]})" for name, tile in tiles.items()]
+    rows = [cells[first : first + ACROSS] for first in range(0, len(cells), ACROSS)]
+    rows[-1] += [""] * (ACROSS - len(rows[-1]))
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    lines.insert(1, "|:-:" * ACROSS + "|")
+    return "\n\n".join([head, said, "\n".join(lines)]) + "\n"
+
+
+def clone_index():
+    """Return docs/gallery/index.md: panels lead to configs, since ``make docs`` makes the pages."""
+    links = {name: f"../../configs/{flow['config']}.yaml" for name, flow in flows().items()}
+    return index(links, "`make docs` makes the pages, in `site/gallery/`. Here each picture leads to its config.")
+
+
+def stills(path, parts):
+    """Return frames of a movie, each at a part of its length."""
+    film = imageio_ffmpeg.read_frames(str(path))
+    size = next(film)["size"]
+    frames = list(film)
+    return [Image.frombytes("RGB", size, frames[round(part * (len(frames) - 1))]) for part in parts]
+
+
+def panel(folder, part):
+    """Return the flow without labels and curves, at a part of the movie of a run, as JPEG on a tile of ``TILE``."""
+    from tisph.config import load
+    from tisph.report.layout import arrange
+    from tisph.report.movie import FullCut
+    from tisph.scenes import of
+
+    (frame,) = stills(folder / "movie.mp4", [part])
+    scene = of(load(folder / "config.resolved.yaml"))
+    layout = arrange(FullCut(scene) if scene.axisymmetric else scene, *frame.size)
+    box, wall = layout.box, layout.wall_thickness
+    flow = frame.crop((box.left, box.top - wall, box.right, box.bottom + wall))
+    tile, content = Image.new("RGB", TILE, "white"), io.BytesIO()
+    flow = ImageOps.contain(flow, TILE, Image.Resampling.LANCZOS)
+    tile.paste(flow, ((TILE[0] - flow.width) // 2, (TILE[1] - flow.height) // 2))
+    tile.save(content, format="JPEG", quality=85)
+    return content.getvalue()
 
 
 def in_turn(work, items, label):
@@ -259,7 +305,7 @@ def in_turn(work, items, label):
         result = work(item)
         now = time.perf_counter()
         took = f"{now - begin:.0f} s, {(now - start) / 60:.1f} min in all"
-        print(f"{label} {next(number)} of {len(items)}: {getattr(item, 'name', item)} ({took})", flush=True)
+        print(f"{label} {next(number)} of {len(items)}: {getattr(item, 'name', item)} ({took})\n", end="", flush=True)
         return result
 
     with ThreadPoolExecutor(AT_ONCE) as pool:
@@ -291,14 +337,16 @@ def add(files, config):
 
     from tisph.report.encoder import poster
 
-    for file in [file for file in files if file.src_uri.startswith("_gallery/")]:
+    for file in [file for file in files if file.src_uri.startswith(("_gallery/", "gallery/"))]:
         files.remove(file)
     try:
         chosen = make()
     except (OutOfBoundsError, RuntimeError) as error:
         raise PluginError(str(error)) from error
     up = "../" if config["use_directory_urls"] else ""
-    pages = {"index": index(chosen), **{name: page(name, flow, up) for name, flow in chosen.items()}}
+    said = "All runs are made with this site, and the site is not made if a number leaves its bound."
+    first = index({name: f"{name}.md" for name in chosen}, said)
+    pages = {"index": first, **{name: page(name, flow, up) for name, flow in chosen.items()}}
     for name, text in pages.items():
         files.append(File.generated(config, f"gallery/{name}.md", content=text))
     for name, flow in chosen.items():
@@ -306,6 +354,8 @@ def add(files, config):
         for target, source in {f"{name}.mp4": "movie.mp4", f"{name}-{plot}.png": f"{plot}.png"}.items():
             files.append(File.generated(config, f"gallery/{target}", abs_src_path=str(folder / source)))
         files.append(File.generated(config, f"gallery/{name}.jpg", content=poster(folder / "movie.mp4")))
+        picture = panel(folder, flow.get("still", MIDDLE))
+        files.append(File.generated(config, f"gallery/{name}-panel.jpg", content=picture))
     if config["nav"] and not any("Gallery" in entry for entry in config["nav"]):
         config["nav"].insert(2, {"Gallery": [f"gallery/{name}.md" for name in pages]})
     return files
@@ -313,4 +363,7 @@ def add(files, config):
 
 if __name__ == "__main__":
     for page_name, what in make(sys.argv[1:]).items():
-        print(f"{page_name}\n{table(jobs(page_name, what)[0].summary(), what['numbers'])}\n")
+        results = jobs(page_name, what)[0]
+        print(f"{page_name}\n{table(results.summary(), what['numbers'])}\n")
+        (PANELS / f"{page_name}-panel.jpg").write_bytes(panel(results.folder, what.get("still", MIDDLE)))
+    (PANELS / "index.md").write_text(clone_index(), encoding="utf-8")

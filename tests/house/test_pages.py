@@ -17,7 +17,7 @@ from tisph.config import checks
 
 ROOT = Path(tisph.__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-GENERATED = ("gallery/", "tutorials/", "reference/keys.md", "reference/command-line.md")
+GENERATED = ("tutorials/", "reference/keys.md", "reference/command-line.md")
 """Pages that are made with the site, which is strict about links."""
 COMMANDS = set(typer.main.get_command(cli.app).commands)
 
@@ -248,6 +248,12 @@ def test_commands_of_a_page_can_be_pasted(name, tmp_path, monkeypatch):
         assert (run, words[-2]) == ("run", "--out")
         done = CliRunner().invoke(cli.app, ["check", *words[:-2]])  # as run reads them
         assert done.exit_code == 0, f"{words}: {done.stderr}"
+
+
+def test_the_index_of_a_clone_shows_every_flow():
+    """After a change of titles: ``python docs/_gallery.py``."""
+    assert (gallery.PANELS / "index.md").read_text(encoding="utf-8") == gallery.clone_index()
+    assert {path.name for path in gallery.PANELS.glob("*.jpg")} == {f"{name}-panel.jpg" for name in FLOWS}
 
 
 def test_a_number_out_of_its_bound_is_named():

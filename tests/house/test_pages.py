@@ -1,5 +1,6 @@
 """Pages of the documentation: links, commands, keys, equations and messages that they name exist."""
 
+import importlib
 import re
 from pathlib import Path
 
@@ -52,6 +53,23 @@ def test_links_lead_somewhere(path):
         assert target.exists(), link
         if anchor:
             assert anchor in anchors(target), link
+
+
+@pytest.fixture
+def media(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "media")
+    return importlib.import_module("make")
+
+
+def test_pictures_have_the_settings_of_today(media):
+    assert "\n".join(media.outdated()) == ""
+
+
+def test_a_picture_with_other_settings_is_named(media, monkeypatch):
+    monkeypatch.setitem(media.MOVIES, "cavity", (3.5, ["discretisation.particles_across=32"]))
+    (line,) = media.outdated()
+    assert "discretisation.particles_across was 64, is 32" in line
+    assert line.endswith("Make it again: python media/make.py cavity")
 
 
 def test_the_first_screen_has_what_a_visitor_needs():

@@ -5,8 +5,7 @@ Makes the runs that are not there yet. A row a flow: its movie at three times, p
 
 import sys
 
-import imageio_ffmpeg
-from _gallery import RUNS, make
+from _gallery import RUNS, make, stills
 from PIL import Image, ImageDraw
 
 TILE = (480, 264)
@@ -15,18 +14,11 @@ TIMES = (0.1, 0.5, 1.0)
 """Parts of the movie's length at which a frame is taken."""
 
 
-def stills(path):
-    """Return frames of a movie at ``TIMES``."""
-    film = imageio_ffmpeg.read_frames(str(path))
-    size = next(film)["size"]
-    frames = list(film)
-    return [Image.frombytes("RGB", size, frames[round(part * (len(frames) - 1))]) for part in TIMES]
-
-
 def row(name):
     """Return the pictures of a flow."""
     plots = (RUNS / name / f"{kind}.png" for kind in ("profiles", "history"))
-    return [*stills(RUNS / name / "movie.mp4"), *(Image.open(path).convert("RGB") for path in plots if path.is_file())]
+    drawn = (Image.open(path).convert("RGB") for path in plots if path.is_file())
+    return [*stills(RUNS / name / "movie.mp4", TIMES), *drawn]
 
 
 def sheet(names):

@@ -3,7 +3,8 @@
 ``make docs`` calls ``add``. Each file says which config is run, with what settings, the text of its page, and the
 numbers in it. A number that is not within its bound ends the build, with the names of the page and of the number. Runs
 are kept in runs/gallery/ and used again as long as config, settings and package are the same.
-``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, and prints their numbers.
+``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, prints their numbers, and leaves their
+panels and the index in docs/gallery/, which a clone shows without a site.
 
 ``make docs-draft`` (GALLERY=draft) makes the beginning of ``DRAFT_RUNS`` alone. The other pages show the pictures of
 the first of them, and no page has numbers: the site is built and looked at as a whole in a few minutes.
@@ -12,21 +13,28 @@ In a text, <<name>> stands for the number of that name; a key may be a sum, ``sa
 """
 
 import hashlib
+import io
+import itertools
 import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import imageio_ffmpeg
+from PIL import Image, ImageOps
 from ruamel.yaml import YAML
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXTS = ROOT / "docs" / "_gallery"
+PANELS = ROOT / "docs" / "gallery"
 DRAFT = os.environ.get("GALLERY") == "draft"
 RUNS = ROOT / "runs" / ("gallery-draft" if DRAFT else "gallery")
 DRAFT_RUNS = "couette", "cylinder_in_channel", "taylor_vortices"
@@ -41,6 +49,12 @@ MOVIE = [
 ]
 NO_MOVIE = ["output.video.frames=2"]
 AT_ONCE = 2
+ACROSS = 3
+"""Panels in a row of the index."""
+TILE = (360, 240)
+"""Pixels of a panel."""
+MIDDLE = 0.5
+"""Part of a movie at which its panel is taken, where the page has no ``still``."""
 
 
 class OutOfBoundsError(Exception):
@@ -65,10 +79,15 @@ class Job:
         text = json.dumps([self.config.read_text(encoding="utf-8"), self.settings, package()])
         return hashlib.sha256(text.encode()).hexdigest()
 
-    def command(self):
-        """Return the arguments of tisph, as a reader types them."""
-        sets = [word for text in self.settings for word in ("--set", text)]
+    def command(self, settings):
+        """Return the arguments of tisph."""
+        sets = [word for text in settings for word in ("--set", text)]
         return ["run", self.config.relative_to(ROOT).as_posix(), *sets]
+
+    def line(self):
+        """Return the command that a reader pastes into a shell: into a folder of its own, its movie in full size."""
+        settings = [text for text in self.settings if text not in (*MOVIE, *NO_MOVIE)]
+        return shlex.join(["tisph", *self.command(settings), "--out", f"runs/try/{self.name}"])
 
     def make(self):
         """Run it, unless its results are there; RuntimeError with the last lines of what it printed if that fails."""
@@ -80,7 +99,7 @@ class Job:
         extra += self.cut_short() if DRAFT else []
         environment = dict(os.environ, OMP_NUM_THREADS="1", PYTHONPATH=str(ROOT))
         done = subprocess.run(
-            [sys.executable, "-m", "tisph", *self.command(), *extra],
+            [sys.executable, "-m", "tisph", *self.command(self.settings), *extra],
             cwd=ROOT,
             env=environment,
             capture_output=True,
@@ -192,7 +211,6 @@ def page(name, flow, up):
     """Return a page as Markdown; ``up`` leads from the page to the folder of its movie."""
     own, *exercises = jobs(name, flow)
     summary = own.summary()
-    settings = " ".join(f"--set {text}" for text in own.settings if text not in MOVIE)
     parts = [
         f"# {flow['title']}",
         filled(flow["question"], summary, flow["numbers"]),
@@ -203,7 +221,7 @@ def page(name, flow, up):
         unresolved(summary),
         f"![{flow['plot_alt']}]({name}-{flow.get('plot', 'profiles')}.png)",
         f"## Try this\n\n{exercise_texts(flow, exercises)}",
-        f"## Config\n\n```\ntisph run configs/{flow['config']}.yaml {settings}".rstrip() + "\n```",
+        f"## Config\n\n```\n{own.line()}\n```",
         f"The movie on this page is smaller (`{'`, `'.join(MOVIE)}`).",
         f"```yaml\n{own.config.read_text(encoding='utf-8').strip()}\n```",
     ]
@@ -228,20 +246,70 @@ def exercise_texts(flow, exercises):
     texts = []
     for number, (exercise, job) in enumerate(zip(flow["try"], exercises, strict=True), 1):
         answer = filled(exercise["answer"], {} if DRAFT else job.summary(), exercise["numbers"])
-        sets = " ".join(f"--set {text}" for text in exercise["settings"])
-        hidden = f"<details markdown><summary>Answer</summary>\n\n`{sets}`\n\n{answer}\n\n</details>"
+        hidden = f"<details markdown><summary>Answer</summary>\n\n```\n{job.line()}\n```\n\n{answer}\n\n</details>"
         texts.append(f"**{number}.** {exercise['question'].strip()}\n\n{hidden}")
     return "\n\n".join(texts)
 
 
-def index(chosen):
-    """Return the first page of the gallery: a picture of each flow, with its title."""
+def index(links, said):
+    """Return the first page of the gallery: panels of all flows, three a row, with their titles; ``links`` by name."""
     head = "# Gallery\n\nOne page a flow: why one looks at it, a movie, numbers beside the reference, two exercises."
-    tail = "All runs are made with this site, and the site is not made if a number leaves its bound."
-    rows = [
-        f"[![{flow['alt']}]({name}.jpg)]({name}.md)\n\n[{flow['title']}]({name}.md)" for name, flow in chosen.items()
-    ]
-    return "\n\n".join([head, tail, *rows]) + "\n"
+    tiles = {name: f"![{flow['alt']}]({name}-panel.jpg)<br>{flow['title']}" for name, flow in flows().items()}
+    cells = [f"[{tile}]({links[name]})" for name, tile in tiles.items()]
+    rows = [cells[first : first + ACROSS] for first in range(0, len(cells), ACROSS)]
+    rows[-1] += [""] * (ACROSS - len(rows[-1]))
+    lines = ["| " + " | ".join(row) + " |" for row in rows]
+    lines.insert(1, "|:-:" * ACROSS + "|")
+    return "\n\n".join([head, said, "\n".join(lines)]) + "\n"
+
+
+def clone_index():
+    """Return docs/gallery/index.md: panels lead to configs, since ``make docs`` makes the pages."""
+    links = {name: f"../../configs/{flow['config']}.yaml" for name, flow in flows().items()}
+    return index(links, "`make docs` makes the pages, in `site/gallery/`. Here each picture leads to its config.")
+
+
+def stills(path, parts):
+    """Return frames of a movie, each at a part of its length."""
+    film = imageio_ffmpeg.read_frames(str(path))
+    size = next(film)["size"]
+    frames = list(film)
+    return [Image.frombytes("RGB", size, frames[round(part * (len(frames) - 1))]) for part in parts]
+
+
+def panel(folder, part):
+    """Return the flow without labels and curves, at a part of the movie of a run, as JPEG on a tile of ``TILE``."""
+    from tisph.config import load
+    from tisph.report.layout import arrange
+    from tisph.report.movie import FullCut
+    from tisph.scenes import of
+
+    (frame,) = stills(folder / "movie.mp4", [part])
+    scene = of(load(folder / "config.resolved.yaml"))
+    layout = arrange(FullCut(scene) if scene.axisymmetric else scene, *frame.size)
+    box, wall = layout.box, layout.wall_thickness
+    flow = frame.crop((box.left, box.top - wall, box.right, box.bottom + wall))
+    tile, content = Image.new("RGB", TILE, "white"), io.BytesIO()
+    flow = ImageOps.contain(flow, TILE, Image.Resampling.LANCZOS)
+    tile.paste(flow, ((TILE[0] - flow.width) // 2, (TILE[1] - flow.height) // 2))
+    tile.save(content, format="JPEG", quality=85)
+    return content.getvalue()
+
+
+def in_turn(work, items, label):
+    """Return ``work`` of all items, done ``AT_ONCE`` at a time; each prints a line when it is done."""
+    start, number = time.perf_counter(), itertools.count(1)
+
+    def noted(item):
+        begin = time.perf_counter()
+        result = work(item)
+        now = time.perf_counter()
+        took = f"{now - begin:.0f} s, {(now - start) / 60:.1f} min in all"
+        print(f"{label} {next(number)} of {len(items)}: {getattr(item, 'name', item)} ({took})\n", end="", flush=True)
+        return result
+
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        return list(pool.map(noted, items))
 
 
 def make(names=()):
@@ -249,9 +317,7 @@ def make(names=()):
     chosen = {name: flow for name, flow in flows().items() if not names or name in names}
     wanted = [job for name, flow in chosen.items() for job in jobs(name, flow)]
     wanted = [job for job in wanted if job.name in DRAFT_RUNS or not DRAFT]
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        for number, _ in enumerate(pool.map(Job.make, wanted), 1):
-            print(f"gallery: run {number} of {len(wanted)} is ready: {wanted[number - 1].name}", flush=True)
+    in_turn(Job.make, wanted, "gallery: run")
     if DRAFT:
         return chosen
     lines = []
@@ -271,14 +337,16 @@ def add(files, config):
 
     from tisph.report.encoder import poster
 
-    for file in [file for file in files if file.src_uri.startswith("_gallery/")]:
+    for file in [file for file in files if file.src_uri.startswith(("_gallery/", "gallery/"))]:
         files.remove(file)
     try:
         chosen = make()
     except (OutOfBoundsError, RuntimeError) as error:
         raise PluginError(str(error)) from error
     up = "../" if config["use_directory_urls"] else ""
-    pages = {"index": index(chosen), **{name: page(name, flow, up) for name, flow in chosen.items()}}
+    said = "All runs are made with this site, and the site is not made if a number leaves its bound."
+    first = index({name: f"{name}.md" for name in chosen}, said)
+    pages = {"index": first, **{name: page(name, flow, up) for name, flow in chosen.items()}}
     for name, text in pages.items():
         files.append(File.generated(config, f"gallery/{name}.md", content=text))
     for name, flow in chosen.items():
@@ -286,6 +354,8 @@ def add(files, config):
         for target, source in {f"{name}.mp4": "movie.mp4", f"{name}-{plot}.png": f"{plot}.png"}.items():
             files.append(File.generated(config, f"gallery/{target}", abs_src_path=str(folder / source)))
         files.append(File.generated(config, f"gallery/{name}.jpg", content=poster(folder / "movie.mp4")))
+        picture = panel(folder, flow.get("still", MIDDLE))
+        files.append(File.generated(config, f"gallery/{name}-panel.jpg", content=picture))
     if config["nav"] and not any("Gallery" in entry for entry in config["nav"]):
         config["nav"].insert(2, {"Gallery": [f"gallery/{name}.md" for name in pages]})
     return files
@@ -293,4 +363,7 @@ def add(files, config):
 
 if __name__ == "__main__":
     for page_name, what in make(sys.argv[1:]).items():
-        print(f"{page_name}\n{table(jobs(page_name, what)[0].summary(), what['numbers'])}\n")
+        results = jobs(page_name, what)[0]
+        print(f"{page_name}\n{table(results.summary(), what['numbers'])}\n")
+        (PANELS / f"{page_name}-panel.jpg").write_bytes(panel(results.folder, what.get("still", MIDDLE)))
+    (PANELS / "index.md").write_text(clone_index(), encoding="utf-8")

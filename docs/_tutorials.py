@@ -10,10 +10,9 @@ import base64
 import hashlib
 import os
 import re
-from concurrent.futures import ThreadPoolExecutor
 
 import nbformat
-from _gallery import AT_ONCE, ROOT, package
+from _gallery import ROOT, in_turn, package
 
 NOTEBOOKS = ROOT / "docs" / "tutorials"
 RUNS = ROOT / "runs" / "tutorials"
@@ -35,7 +34,6 @@ def executed(path):
         nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(folder)}}).execute()
         nbformat.write(notebook, done)
         stamp.write_text(key)
-    print(f"tutorials: {path.stem} is ready", flush=True)
     return nbformat.read(done, as_version=4)
 
 
@@ -72,14 +70,14 @@ def add(files, config):
     from mkdocs.structure.files import File
     from nbclient.exceptions import CellExecutionError
 
-    names, paths = [], sorted(NOTEBOOKS.glob("*.ipynb"))
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        waiting = [pool.submit(executed, path) for path in paths]
-    for path, notebook in zip(paths, waiting, strict=True):
+    def page(path):
         try:
-            text, pictures = markdown(notebook.result(), path.stem)
+            return markdown(executed(path), path.stem)
         except CellExecutionError as error:
             raise PluginError(f"tutorial {path.name}: {error}") from error
+
+    names, paths = [], sorted(NOTEBOOKS.glob("*.ipynb"))
+    for path, (text, pictures) in zip(paths, in_turn(page, paths, "tutorials: notebook"), strict=True):
         names.append(f"tutorials/{path.stem}.md")
         files.append(File.generated(config, names[-1], content=text))
         for name, content in pictures.items():

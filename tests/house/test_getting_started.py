@@ -2,11 +2,11 @@
 
 import json
 import re
-import shlex
 import shutil
 from pathlib import Path
 
 import pytest
+from shell import pasted
 from typer.testing import CliRunner
 
 from tisph import cli
@@ -17,14 +17,12 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
 SHORT = "time={end: 0.05, samples: [0.05]}"
 COARSE = ["discretisation.particles_across=15", "output.video.frames=2", "runtime.threads=1", SHORT]
-ELSEWHERE = ("estimate-error", "verify")  # they have tests of their own, and take longer
 
 
 def commands():
     """Command lines of the page that are tisph's."""
     blocks = re.findall(r"^```\w*\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
-    lines = [line for block in blocks for line in block.splitlines() if line.startswith("tisph ")]
-    return [line for line in lines if not any(word in line for word in ELSEWHERE)]
+    return [line for block in blocks for line in block.splitlines() if line.startswith("tisph ")]
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +38,10 @@ def folder(tmp_path_factory, kept_program):
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.chdir(folder)
         monkeypatch.setattr("tisph.observers.history.RECORDS", 21)  # the page reads none
-        for line in commands():
-            coarse = [word for change in COARSE for word in ("--set", change)] if line.startswith("tisph run") else []
-            done = CliRunner().invoke(cli.app, [*shlex.split(line)[1:], *coarse])
-            assert done.exit_code == 0, f"{line}: {done.stderr}"
+        for words in pasted(commands(), folder):
+            coarse = [word for change in COARSE for word in ("--set", change)] if words[0] == "run" else []
+            done = CliRunner().invoke(cli.app, [*words, *coarse])
+            assert done.exit_code == 0, f"{words}: {done.stderr}"
     return folder
 
 

@@ -1,5 +1,6 @@
 """Pages of the documentation: links, commands, keys, equations and messages that they name exist."""
 
+import importlib
 import re
 from pathlib import Path
 
@@ -8,6 +9,8 @@ import _gallery as gallery
 import _reference as reference
 import pytest
 import typer
+from shell import pasted
+from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, config, registry
@@ -15,7 +18,7 @@ from tisph.config import checks
 
 ROOT = Path(tisph.__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-GENERATED = ("gallery/", "tutorials/", "reference/keys.md", "reference/command-line.md")
+GENERATED = ("tutorials/", "reference/keys.md", "reference/command-line.md")
 """Pages that are made with the site, which is strict about links."""
 COMMANDS = set(typer.main.get_command(cli.app).commands)
 
@@ -50,6 +53,23 @@ def test_links_lead_somewhere(path):
         assert target.exists(), link
         if anchor:
             assert anchor in anchors(target), link
+
+
+@pytest.fixture
+def media(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "media")
+    return importlib.import_module("make")
+
+
+def test_pictures_have_the_settings_of_today(media):
+    assert "\n".join(media.outdated()) == ""
+
+
+def test_a_picture_with_other_settings_is_named(media, monkeypatch):
+    monkeypatch.setitem(media.MOVIES, "cavity", (3.5, ["discretisation.particles_across=32"]))
+    (line,) = media.outdated()
+    assert "discretisation.particles_across was 64, is 32" in line
+    assert line.endswith("Make it again: python media/make.py cavity")
 
 
 def test_the_first_screen_has_what_a_visitor_needs():
@@ -229,6 +249,29 @@ def test_each_number_in_a_text_is_asserted(name):
         used = set(gallery.re.findall(r"<<(\w+)>>", text))
         assert used <= {check["name"] for check in bounds}
         assert all("below" in check or {"equals", "within"} <= set(check) for check in bounds)
+
+
+@pytest.mark.parametrize("name", FLOWS)
+def test_commands_of_a_page_can_be_pasted(name, tmp_path, monkeypatch):
+    monkeypatch.setattr(gallery, "DRAFT", True)  # no run is needed for its numbers
+    monkeypatch.setattr(gallery.Job, "summary", lambda self: {"samples": []})
+    lines = re.findall(r"^tisph .*", gallery.page(name, FLOWS[name], ""), flags=re.MULTILINE)
+    commands = pasted(lines, tmp_path)
+    shown = [tuple(word for word in words if "=" in word) for words in commands]
+    jobs = gallery.jobs(name, FLOWS[name])
+    unseen = {*gallery.MOVIE, *gallery.NO_MOVIE}
+    assert sorted(shown) == sorted(tuple(text for text in job.settings if text not in unseen) for job in jobs)
+    monkeypatch.chdir(ROOT)
+    for run, *words in commands:
+        assert (run, words[-2]) == ("run", "--out")
+        done = CliRunner().invoke(cli.app, ["check", *words[:-2]])  # as run reads them
+        assert done.exit_code == 0, f"{words}: {done.stderr}"
+
+
+def test_the_index_of_a_clone_shows_every_flow():
+    """After a change of titles: ``python docs/_gallery.py``."""
+    assert (gallery.PANELS / "index.md").read_text(encoding="utf-8") == gallery.clone_index()
+    assert {path.name for path in gallery.PANELS.glob("*.jpg")} == {f"{name}-panel.jpg" for name in FLOWS}
 
 
 def test_a_number_out_of_its_bound_is_named():

@@ -347,9 +347,23 @@ def test_spoke_and_mark_turn_with_the_body(time):
     inside = Body(Circle(0.7), (0.0, 1.5), motion=rotation)
     outside = Body(Circle(0.9, fluid_side="inside"), (0.0, 1.5), motion=rotation)
     first = math.pi / round(2 * math.pi * 0.9 / 0.004)  # points begin half a spacing from angle 0
-    for body, nearest, farthest in ((inside, 0.1, 0.6), (outside, 0.92, 1.0)):
+    for body, nearest, farthest in ((inside, 0.52, 0.65), (outside, 0.915, 0.932)):  # apart from the arrows
         turned = spoke_angle(body, time, nearest, farthest)
         assert abs(np.exp(1j * turned) - np.exp(1.3j * time)) < 0.02 + first  # a pixel over these distances
+
+
+def test_an_arrow_shows_which_way_a_motor_turns_a_body():
+    """Both ways are images of each other in the diagonal; a body that the fluid turns, or at rest, has none."""
+    dark = []
+    for speed in (1.3, -1.3, 0.0):
+        body = Body(Circle(0.7), (0.0, 1.5), motion=RigidMotion(rotation=WallMotion(speed)))
+        layout, _, panel = paint_bodies(make_scene(body, periodic=False), 0.0)
+        column, row = (int(each) for each in layout.pixel_positions(0.0, 1.5))
+        size = int(0.5 * layout.pixels_per_length)
+        dark.append(panel[row : row + size, column - size : column, 0] < 150)  # below and left of the centre
+    assert dark[0].any() and not dark[2].any()
+    assert not np.array_equal(dark[0], dark[1])
+    assert abs(int(dark[0].sum()) - int(dark[1].sum())) < 0.05 * dark[0].sum()
 
 
 def test_marks_slide_with_a_straight_wall_and_the_wall_stays():

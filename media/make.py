@@ -16,6 +16,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+import film
 import imageio_ffmpeg
 import walls
 from PIL import Image
@@ -25,7 +26,7 @@ from tisph.observers.samples import read_frames
 from tisph.report import style
 from tisph.report.encoder import write_gif
 from tisph.report.layout import arrange
-from tisph.report.movie import FullCut
+from tisph.report.movie import displayed
 
 ROOT = Path(__file__).resolve().parents[1]
 MEDIA = ROOT / "media"
@@ -49,7 +50,7 @@ MOVIES = {
 """Configs, the t* of each preview (the first frame after it), and what is set."""
 
 MOVING = "cavity"
-"""The movie at the top of README.md, also as GIF."""
+"""The movie on the first page of the documentation, also as GIF."""
 
 
 def make(name, preview_t_star, changes):
@@ -62,9 +63,9 @@ def make(name, preview_t_star, changes):
         write_gif(folder / "movie.mp4", MEDIA / f"{name}.gif")
     scene = scenes.of(config.load(folder / "config.resolved.yaml"))
     times = [frame.t / scene.time_scale for frame in read_frames(folder / "frames.h5")]
-    film = imageio_ffmpeg.read_frames(str(folder / "movie.mp4"))
-    size = next(film)["size"]
-    preview = next(frame for frame, t_star in zip(film, times, strict=True) if t_star >= preview_t_star)
+    reel = imageio_ffmpeg.read_frames(str(folder / "movie.mp4"))
+    size = next(reel)["size"]
+    preview = next(frame for frame, t_star in zip(reel, times, strict=True) if t_star >= preview_t_star)
     Image.frombytes("RGB", size, preview).save(MEDIA / f"{name}.png", optimize=True)
     store(name)
 
@@ -74,8 +75,7 @@ def settings(name):
     preview_t_star, changes = MOVIES[name]
     loaded = config.load(ROOT / "configs" / f"{name}.yaml", changes)
     scene, video = scenes.of(loaded), loaded.output.video
-    shown = FullCut(scene) if scene.axisymmetric else scene
-    layout = json.dumps(asdict(arrange(shown, video.width, video.height, style.THEMES[video.theme])))
+    layout = json.dumps(asdict(arrange(displayed(scene), video.width, video.height, style.THEMES[video.theme])))
     drawing = {"preview t*": preview_t_star, "layout and colours": hashlib.sha256(layout.encode()).hexdigest()[:16]}
     return json.loads(json.dumps(drawing | flat(loaded.resolved())))
 
@@ -118,5 +118,6 @@ if __name__ == "__main__":
     chosen = sys.argv[1:] or list(MOVIES)
     if not sys.argv[1:]:
         walls.draw(MEDIA / "walls.png")
+        film.make()
     for name in chosen:
         make(name, *MOVIES[name])

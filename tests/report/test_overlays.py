@@ -361,7 +361,8 @@ def test_an_arrow_shows_which_way_a_motor_turns_a_body():
         column, row = (int(each) for each in layout.pixel_positions(0.0, 1.5))
         size = int(0.5 * layout.pixels_per_length)
         dark.append(panel[row : row + size, column - size : column, 0] < 150)  # below and left of the centre
-    assert dark[0].any() and not dark[2].any()
+    assert dark[0].any()
+    assert not dark[2].any()
     assert not np.array_equal(dark[0], dark[1])
     assert abs(int(dark[0].sum()) - int(dark[1].sum())) < 0.05 * dark[0].sum()
 

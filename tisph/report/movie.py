@@ -392,6 +392,11 @@ class FullCut:
         return replace(snapshot, **double, reference=None, bodies=replace(given, **moved, **turned))
 
 
+def displayed(scene: Any) -> Any:
+    """Return the scene that a frame shows: a ``FullCut`` where axisymmetric flow reaches the axis."""
+    return FullCut(scene) if scene.axisymmetric and scene.origin[1] == 0.0 else scene
+
+
 def _whole(scene: Any, snapshot: Snapshot) -> Snapshot:
     """Return a snapshot as ``scene`` shows it: with its mirror image in a ``FullCut``."""
     return scene.mirrored(snapshot) if isinstance(scene, FullCut) else snapshot
@@ -425,8 +430,7 @@ class Movie:
     def __init__(self, path: Path | str, scene: Any, video: Any, title: str, end: float):
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
-        whole = scene.axisymmetric and scene.origin[1] == 0.0  # an inner cylinder parts the halves: one is enough
-        self._shown: Any = FullCut(scene) if whole else scene
+        self._shown: Any = displayed(scene)
         self._layout = arrange(self._shown, video.width, video.height, style.THEMES[video.theme])
         self._streams = Streamlines(self._shown, self._layout) if video.overlay == "streamlines" else None
         self._dyed = video.color_by == "dye"

@@ -32,8 +32,23 @@ from tisph.exact.linear_viscoelasticity import (
 from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
+from tisph.measures import rheometry, viscometers
 from tisph.measures.rheometry import as_plane, read, read_schedule, together
+from tisph.measures.viscometers import Reading
 from tisph.report import plots as report
+
+
+@pytest.fixture(autouse=True)
+def known_numbers(monkeypatch):
+    """Let every reading of this file have no number but the ``NUMBERS`` that a sweep can collect."""
+
+    def checked(title, lines, numbers, curves):
+        assert set(numbers) <= rheometry.NUMBERS
+        return Reading(title, lines, numbers, curves)
+
+    for module in (rheometry, viscometers):
+        monkeypatch.setattr(module, "Reading", checked)
+
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
 NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}

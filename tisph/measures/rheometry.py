@@ -43,6 +43,22 @@ from tisph.measures.viscometers import (
     read_viscometer,
 )
 
+NAMES = """
+strain modulus_at_the_end modulus_at_the_end_reference modulus_at_the_end_without_inertia modulus_at_the_end_linear
+inertia_gone_at normal_over_shear_stress_at_the_end off_reference off_by_inertia off_by_memory fastest_rate
+angular_frequency third_harmonic storage_modulus_apparent loss_modulus_apparent storage_modulus_reference_apparent
+loss_modulus_reference_apparent storage_modulus_corrected_for_inertia loss_modulus_corrected_for_inertia
+storage_modulus_linear_theory loss_modulus_linear_theory shear_rate viscosity_at_the_end
+viscosity_at_the_end_reference normal_stress_coefficient_at_the_end normal_stress_coefficient_at_the_end_reference
+compliance_at_the_end compliance_at_the_end_reference recovered_strain recovered_strain_reference
+ringing_frequency_run ringing_frequency_reference ringing_frequency_linear_theory ringing_damping_run
+ringing_damping_reference ringing_damping_linear_theory wall_stress rate flow_rate apparent_rate velocity
+wall_factor reynolds viscosity area_fraction relative_viscosity_walls relative_viscosity_walls_error
+relative_viscosity_bodies relative_viscosity_bodies_error relative_viscosity_contacts contacts
+"""
+NUMBERS = frozenset(NAMES.split())
+"""Names of the numbers of all readings."""
+
 Stresses: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Shear stress and first normal stress difference at some times."""
 

@@ -31,6 +31,7 @@ from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.viscometers import (
     SHOWN,
+    STEADY,
     VISCOMETERS,
     Axes,
     Reading,
@@ -84,7 +85,7 @@ def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
         density=annulus.density,
         dynamic_viscosity=annulus.dynamic_viscosity,
         solvent_viscosity=annulus.solvent_viscosity,
-        viscous_stress=lambda rate: annulus.dynamic_viscosity * rate,
+        kinematic_viscosity=annulus.kinematic_viscosity,
         top=wall,
         apparent_viscosity=lambda viscosity, frequency: cylinder_apparent_viscosity(
             viscosity, frequency, annulus.density, own, other
@@ -111,18 +112,22 @@ POINTS = 101
 """Points of the steady flow curve."""
 
 
+def uniform_shear(rheology: Any, channel: Any) -> UniformShear:
+    """Return the law of the fluid in uniform shear; ``channel`` has its viscosities."""
+    if not rheology.carries_stress:
+        fluid = rheology.law(channel.kinematic_viscosity, channel.density)
+        return UniformShear(lambda rate: channel.density * fluid.viscosity(rate**2) * rate)
+    solvent = channel.density * channel.solvent_viscosity
+    return UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
+
+
 def read_schedule(config: Any, channel: Any, fluid: Spectrum, wall: Schedule, table: Table) -> Reading:
     """Return the reading of a step strain where the ``wall`` rests for longer than it moved, else of a flow curve.
 
     ``fluid``: its ``Spectrum``; ``table``: columns of the history for a moving upper wall. A wall that returns to its
     start leaves no strain.
     """
-    rheology, end = config.fluid.rheology, wall.times[-1]
-    if rheology.carries_stress:
-        solvent = channel.density * channel.solvent_viscosity
-        law = UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
-    else:
-        law = UniformShear(channel.viscous_stress)
+    law, end = uniform_shear(config.fluid.rheology, channel), wall.times[-1]
     pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
     rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
     alone = law.response(rates, table["t"])
@@ -379,6 +384,43 @@ def together(readings: Sequence[Reading]) -> Reading:
     return Reading("moduli over the angular frequency", lines, {}, curves)
 
 
+def steady_shear(readings: Sequence[Reading], law: UniformShear) -> Reading:
+    """Return one reading of two or more start-ups of one fluid at their ends: viscosity and N1 over the shear rate.
+
+    ``law`` of the fluid in uniform shear gives the exact curves. N1 is missing without a polymer.
+    """
+    ordered = sorted(readings, key=lambda each: abs(each.numbers["shear_rate"]))
+    rate = np.array([abs(each.numbers["shear_rate"]) for each in ordered])
+    known = np.array([law.steady(one) for one in rate])
+    coefficient = np.array([each.numbers.get("normal_stress_coefficient_at_the_end", np.nan) for each in ordered])
+    columns = {
+        "rate": rate,
+        "viscosity": np.array([each.numbers["viscosity_at_the_end"] for each in ordered]),
+        "steady shear": known[:, 0] / rate,
+    }
+    dense = np.geomspace(0.5 * rate[0], 2.0 * rate[-1], len(DECADES))
+    exact = np.array([law.steady(one) for one in dense])
+    over = Axes("shear rate", "viscosity", ("rate", "viscosity"), logarithmic=True)
+    curves: list[tuple[Any, ...]] = [
+        (over, "steady shear of the fluid", dense, exact[:, 0] / dense, "--"),
+        (over, "runs", rate, columns["viscosity"], "o"),
+    ]
+    if not np.isnan(coefficient).all():
+        columns |= {"N1": coefficient * rate**2, "N1, steady": known[:, 1]}
+        axis = Axes("shear rate", "N1", ("rate", "stress"), logarithmic=True)
+        curves += [
+            (axis, "steady shear of the fluid", dense, exact[:, 1], "--"),
+            (axis, "runs", rate, columns["N1"], "o"),
+        ]
+    lines = [" ".join(f"{name:>14}" for name in columns)]
+    lines += [" ".join(f"{value:14.6g}" for value in row) for row in zip(*columns.values(), strict=True)]
+    for each in ordered:
+        _, _, t, viscosity, _ = each.curves[0]
+        if not abs(np.interp(0.9 * t[-1], t, viscosity) / viscosity[-1] - 1.0) < STEADY:
+            lines.append(f"  unsteady at the rate {each.numbers['shear_rate']:.6g}: its run is too short")
+    return Reading("steady shear", lines, {}, curves)
+
+
 def _window(t: np.ndarray, frequency: float, longest: float) -> tuple[np.ndarray, int]:
     """Return the times of the evaluated whole periods at the end of the run, and the index of the first.
 
@@ -416,7 +458,8 @@ def _start_up(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading
     quantity = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
     lines = [f"{quantity}; shear rate {rate:.6g}, before {before:.6g}"]
     lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
-    numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
+    numbers = {"shear_rate": rate} if rate else {}
+    numbers |= {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = Axes("time", quantity, ("time", "viscosity"), logarithmic=bool(rate))
     curves = [
         (axis, "run", t, found, "."),

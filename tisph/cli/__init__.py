@@ -3,6 +3,7 @@
 import gc
 import sys
 from collections.abc import Callable
+from importlib import metadata
 from typing import Annotated
 
 import typer
@@ -35,7 +36,9 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        print(f"tisph {__version__}")
+        from tisph import runtime
+
+        print(f"tisph {__version__} ({runtime.PACKAGE.capitalize()} {metadata.version(runtime.PACKAGE)})")
         raise typer.Exit
 
 

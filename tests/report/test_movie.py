@@ -152,7 +152,7 @@ def test_movie_that_cannot_be_written_says_why(tmp_path):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-def test_movie_on_a_full_disk_is_one_line_and_leaves_the_old_one(tmp_path):
+def test_a_full_disk_is_one_line_and_leaves_the_old_movie(tmp_path):
     path = tmp_path / "movie.mp4"
     path.write_bytes(b"old")
     (tmp_path / "movie.mp4.partial").symlink_to("/dev/full")

@@ -56,6 +56,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
     "check": check.check,
     "list": menu.list_families,
+    "keys": menu.keys,
     "verify": studies.verify,
     "bench": studies.bench,
     "stability": studies.stability,

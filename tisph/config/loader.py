@@ -43,10 +43,11 @@ TEXTS = {
 }
 """pydantic's type of an error -> text; other types have pydantic's own text."""
 
-OPEN_ENDS = "open ends are not there yet: take a periodic channel with drive.acceleration"
 HINTS = {
     "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
-    **dict.fromkeys(("inlet", "outlet", "ends"), OPEN_ENDS),
+    **dict.fromkeys(
+        ("inlet", "outlet", "ends"), "open ends are not there yet: take a periodic channel with drive.acceleration"
+    ),
 }
 """Unknown key -> the way to the same flow."""
 
@@ -243,7 +244,7 @@ class Source:
         parent: Any = self.data
         place: KeyPath = ()
         for depth, part in enumerate(keys, start=1):
-            place = (*place, _step(parent, part, f"{label}: {'.'.join(map(str, place))}"))
+            place = (*place, step(parent, part, f"{label}: {'.'.join(map(str, place))}"))
             if depth == len(keys):
                 parent[place[-1]] = parsed
                 break
@@ -278,7 +279,7 @@ class Source:
         return self._origins.get(place, (0, self.path))
 
 
-def _step(parent: Any, part: str, label: str) -> str | int:
+def step(parent: Any, part: str, label: str) -> str | int:
     """Return the key or index ``part`` below ``parent``; ConfigError, which begins with ``label``, without one."""
     if isinstance(parent, dict):
         return part

@@ -392,31 +392,23 @@ def steady_shear(readings: Sequence[Reading], law: UniformShear) -> Reading:
     ordered = sorted(readings, key=lambda each: abs(each.numbers["shear_rate"]))
     rate = np.array([abs(each.numbers["shear_rate"]) for each in ordered])
     known = np.array([law.steady(one) for one in rate])
-    coefficient = np.array([each.numbers.get("normal_stress_coefficient_at_the_end", np.nan) for each in ordered])
-    columns = {
-        "rate": rate,
-        "viscosity": np.array([each.numbers["viscosity_at_the_end"] for each in ordered]),
-        "steady shear": known[:, 0] / rate,
-    }
     dense = np.geomspace(0.5 * rate[0], 2.0 * rate[-1], len(DECADES))
     exact = np.array([law.steady(one) for one in dense])
-    over = Axes("shear rate", "viscosity", ("rate", "viscosity"), logarithmic=True)
-    curves: list[tuple[Any, ...]] = [
-        (over, "steady shear of the fluid", dense, exact[:, 0] / dense, "--"),
-        (over, "runs", rate, columns["viscosity"], "o"),
-    ]
+    viscosity = np.array([each.numbers["viscosity_at_the_end"] for each in ordered])
+    coefficient = np.array([each.numbers.get("normal_stress_coefficient_at_the_end", np.nan) for each in ordered])
+    values = {"viscosity": (viscosity, known[:, 0] / rate, exact[:, 0] / dense)}
     if not np.isnan(coefficient).all():
-        columns |= {"N1": coefficient * rate**2, "N1, steady": known[:, 1]}
-        axis = Axes("shear rate", "N1", ("rate", "stress"), logarithmic=True)
-        curves += [
-            (axis, "steady shear of the fluid", dense, exact[:, 1], "--"),
-            (axis, "runs", rate, columns["N1"], "o"),
-        ]
-    lines = [" ".join(f"{name:>14}" for name in columns)]
-    lines += [" ".join(f"{value:14.6g}" for value in row) for row in zip(*columns.values(), strict=True)]
+        values["N1"] = (coefficient * rate**2, known[:, 1], exact[:, 1])
+    columns, curves = {"rate": rate}, []
+    for (name, (found, steady, line)), unit in zip(values.items(), ("viscosity", "stress"), strict=False):
+        columns |= {name: found, f"{name}, steady": steady}
+        axis = Axes("shear rate", name, ("rate", unit), logarithmic=True)
+        curves += [(axis, "steady shear of the fluid", dense, line, "--"), (axis, "runs", rate, found, "o")]
+    lines = [" ".join(f"{name:>17}" for name in columns)]
+    lines += [" ".join(f"{value:17.6g}" for value in row) for row in zip(*columns.values(), strict=True)]
     for each in ordered:
-        _, _, t, viscosity, _ = each.curves[0]
-        if not abs(np.interp(0.9 * t[-1], t, viscosity) / viscosity[-1] - 1.0) < STEADY:
+        _, _, t, growth, _ = each.curves[0]
+        if not abs(np.interp(0.9 * t[-1], t, growth) / growth[-1] - 1.0) < STEADY:
             lines.append(f"  unsteady at the rate {each.numbers['shear_rate']:.6g}: its run is too short")
     return Reading("steady shear", lines, {}, curves)
 

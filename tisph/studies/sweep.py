@@ -39,6 +39,7 @@ from rich.console import Console
 from tisph import scenes
 from tisph.config import load
 from tisph.config.fields import nearest
+from tisph.config.loader import override_texts
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import hdf5_file, replaced
@@ -96,11 +97,6 @@ class Case:
     seconds: float = 1.0
     refusal: str | None = None
 
-    @property
-    def overrides(self) -> list[str]:
-        """The ``values`` as ``key=value``."""
-        return [f"{key}={json.dumps(value)}" for key, value in self.values.items()]
-
 
 @dataclass(frozen=True)
 class Study:
@@ -147,7 +143,7 @@ def _require_names(path: Path, collected: tuple[str, ...], base: Path, cases: tu
     for case in valid:
         if known.issuperset(collected):
             break
-        known |= sample_names(load(base, case.overrides))
+        known |= sample_names(load(base, override_texts(case.values)))
     missing = [name for name in collected if name not in known]
     if valid and missing:
         texts = [f"{name}{nearest(name, sorted(known))}" for name in missing]
@@ -213,7 +209,7 @@ def _range(name: str, given: dict[str, Any], path: Path) -> list[float]:
 
 def _case(base: Path, values: dict[str, Any], forecast: Forecast) -> Case:
     try:
-        config = load(base, Case("", values, None).overrides)
+        config = load(base, override_texts(values))
         numbers, _ = forecast(config)
     except ConfigError as error:
         return Case(_hash(values), values, None, refusal=str(error))

@@ -1,24 +1,24 @@
-"""The reference of keys, generated from the models of the config.
+"""The reference of keys, generated from the models of the config: a page of the site, and the text of ``tisph keys``.
 
 Range and default come from the models; ``_keys.yaml`` has meaning and unit. A key without a line there is a KeyError.
 """
 
 import inspect
 import re
+import textwrap
 import typing
 from pathlib import Path
 from types import SimpleNamespace
 
-import yaml
 from pydantic_core import PydanticUndefined
 
 from tisph import registry
 from tisph.config import checks
 from tisph.config.base import LARGEST, SMALLEST, Model
 from tisph.config.fields import Member
-from tisph.studies import sweep
+from tisph.config.yaml_text import parse
 
-MEANINGS = yaml.safe_load((Path(__file__).parent / "_keys.yaml").read_text(encoding="utf-8"))
+MEANINGS = parse((Path(__file__).parent / "_keys.yaml").read_text(encoding="utf-8")).data
 FAMILIES = {
     "schemes": "Schemes: `scheme: {type: NAME, ...}`",
     "rheology": "Fluid laws: `fluid: {rheology: {type: NAME, ...}}`",
@@ -39,30 +39,75 @@ HEAD = "| key | meaning | unit | allowed | default |\n|---|---|---|---|---|\n"
 def keys_page():
     """The page of all keys, as Markdown."""
     parts = [
-        "# Keys of a config\n\nThis page is generated from the program. Units are those of the config itself: any "
-        "self-consistent system will do. A key without a default must be given.\n\n## All scenes\n\n",
+        "# Keys of a config\n\nThis page is generated from the program; `tisph keys` prints it. Units are those of "
+        "the config itself: any self-consistent system will do. A key without a default must be given.\n\n",
+        "## All scenes\n\n",
     ]
-    scenes = {name: dict(fields(registry.load("scenes", name).Config)) for name in registry.names("scenes")}
-    shared = [key for key in scenes["channel"] if all(key in each for each in scenes.values())]
-    shared = [key for key in shared if not key.startswith(("geometry", "walls", "initial"))]
-    parts.append(table({key: scenes["channel"][key] for key in shared}))
+    shared, scenes = scene_keys()
+    parts.append(table(shared))
     for name, own in scenes.items():
         parts.append(f"\n## Scene `{name}`\n\n{summary('scenes', name)} {about(name)}\n\n")
-        parts.append(table({key: field for key, field in own.items() if key not in shared}))
+        parts.append(table(own))
     for family, title in FAMILIES.items():
         parts.append(f"\n## {title}\n\n")
         for name in registry.names(family):
             parts.append(f"\n### `{name}`\n\n{summary(family, name)}\n\n")
-            own = dict(fields(registry.load(family, name).Parameters))
-            parts.append(table(own, f"{SAME_KEYS.get(family, family)}/"))
+            parts.append(table(*member_keys(family, name)))
     for family, title in WITHOUT_KEYS.items():
         lines = [f"- `{name}`: {registry.summary(family, name)}\n" for name in registry.names(family)]
         parts.append(f"\n## {title}\n\n{''.join(lines)}")
     return "".join([*parts, study_table()])
 
 
+def scene_keys():
+    """Keys with their fields that all scenes have, and the further ones of each scene."""
+    scenes = {name: dict(fields(registry.load("scenes", name).Config)) for name in registry.names("scenes")}
+    shared = [key for key in scenes["channel"] if all(key in each for each in scenes.values())]
+    shared = [key for key in shared if not key.startswith(("geometry", "walls", "initial"))]
+    own = {name: {key: each[key] for key in each if key not in shared} for name, each in scenes.items()}
+    return {key: scenes["channel"][key] for key in shared}, own
+
+
+def member_keys(family, name):
+    """Keys of a member with their fields, and the text before them in ``_keys.yaml``."""
+    return dict(fields(registry.load(family, name).Parameters)), f"{SAME_KEYS.get(family, family)}/"
+
+
+def listing(scene=None):
+    """Lines of all keys, or of the keys of one scene, for a terminal of 100 columns."""
+    shared, scenes = scene_keys()
+    chosen = scenes if scene is None else {scene: scenes[scene]}
+    yield from ("All scenes", *entries(shared))
+    for name, own in chosen.items():
+        yield from (f"\nScene {name}: {summary('scenes', name)}", *entries(own))
+    used = {family for each in (shared, *chosen.values()) for field in each.values() for family in families(field)}
+    for family, title in FAMILIES.items():
+        for name in registry.names(family) if family in used else ():
+            yield f"\n{title.partition(':')[0]}: {name}"
+            yield from entries(*member_keys(family, name))
+
+
+def entries(entries, above=""):
+    """Lines of keys with their fields: key, allowed values, unit and default, then the meaning."""
+    for key, meaning, unit, possible, given in rows(entries, above):
+        text = f"{key}: {possible}{f' [{unit}]' if unit else ''}; {f'default {given}' if given else 'must be given'}"
+        yield from textwrap.wrap(text.replace("`", ""), 100, initial_indent="  ", subsequent_indent=" " * 8)
+        yield from textwrap.wrap(meaning.replace("`", ""), 100, initial_indent=" " * 6, subsequent_indent=" " * 6)
+
+
+def families(field):
+    """Names of the families of which a field, or an item of its list, is a member."""
+    yield from (one.family for one in field.metadata if isinstance(one, Member))
+    waiting = list(typing.get_args(field.annotation))
+    for each in waiting:
+        yield from (one.family for one in getattr(each, "__metadata__", ()) if isinstance(one, Member))
+        waiting += typing.get_args(each)
+
+
 def study_keys():
     """Keys of the file of a sweep, as they stand in ``_keys.yaml``."""
+    from tisph.studies import sweep  # tisph keys does without it
+
     ranged = [f"study/vary.KEY.{key}" for key in sorted(sweep.RANGE)]
     return [name for key in sweep.KEYS for name in (f"study/{key}", *(ranged if key == "vary" else []))]
 
@@ -123,12 +168,16 @@ def summary(family, name):
 def table(entries, above=""):
     """Lines of a table of keys with their fields; ``above`` is what stands before them in ``_keys.yaml``."""
     lines = []
+    for key, *others in rows(entries, above):
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in (f"`{key}`", *others)) + " |\n")
+    return HEAD + "".join(lines)
+
+
+def rows(entries, above=""):
+    """Texts of keys with their fields: key, meaning, unit, allowed values, default (empty if it must be given)."""
     for key, field in entries.items():
         meaning, unit, *said = MEANINGS[above + SIDES.sub("walls.SIDE", key)]
-        given = said[0] if said else default(field)
-        cells = (f"`{key}`", meaning, unit, allowed(field.annotation, field.metadata), given)
-        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n")
-    return HEAD + "".join(lines)
+        yield key, meaning, unit, allowed(field.annotation, field.metadata), said[0] if said else default(field)
 
 
 def fields(model, above=""):

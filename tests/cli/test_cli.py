@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import types
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from inside import step_counts
 from typer.testing import CliRunner
 
 import tisph
-from tisph import cli
+from tisph import cli, runtime
 from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
@@ -76,8 +77,10 @@ def test_help_has_examples(command):
     assert f"  tisph {' '.join(command)}" in result.stdout.split("Examples:")[1]
 
 
-def test_version():
-    assert tisph_command("--version").stdout == f"tisph {tisph.__version__}\n"
+def test_version_names_taichi_or_quadrants():
+    name = runtime.PACKAGE
+    shown = f"tisph {tisph.__version__} ({name.capitalize()} {metadata.version(name)})\n"
+    assert tisph_command("--version").stdout == shown
 
 
 @pytest.mark.parametrize("arguments", [["nope"], ["run"], ["check", "case.yaml", "--wrong"], ["render"]])

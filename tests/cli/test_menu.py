@@ -58,3 +58,23 @@ def test_what_is_not_on_the_menu(name):
 
 def test_a_name_is_needed():
     assert new().stderr == "error: NAME is missing; tisph new --list shows the menu\n"
+
+
+def keys(*arguments):
+    return CliRunner().invoke(cli.app, ["keys", *arguments])
+
+
+def test_keys_of_a_scene_are_its_own():
+    lines = keys("taylor_green").stdout.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert "  fluid.density: number above 0 [mass/length³]; must be given" in lines
+    assert lines[lines.index("  fluid.density: number above 0 [mass/length³]; must be given") + 1] == "      Density."
+    heads = {line.partition(":")[0] for line in lines if line and not line.startswith(" ")}
+    assert heads == {"All scenes", "Scene taylor_green", "Schemes", "Fluid laws"}  # neither walls nor bodies
+    assert "\nShapes: circle\n" in keys("lattice").stdout
+
+
+def test_keys_of_an_unknown_scene_name_the_nearest():
+    done = keys("chanel")
+    assert done.exit_code == 2
+    assert "nearest: channel" in done.stderr

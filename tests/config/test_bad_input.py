@@ -46,7 +46,7 @@ def test_the_good_file_is_good(tmp_path):
 # (what to replace in GOOD, by what, what the message must contain)
 TEXT_CASES = {
     "not_yaml": (GOOD, "a: [1, 2", ["case.yaml:1: is not YAML"]),
-    "tab": (GOOD, "fluid:\n\tdensity: 1", ["case.yaml:2: is not YAML"]),
+    "tab": (GOOD, "fluid:\n\tdensity: 1", ["case.yaml:2: a tab; YAML indents with spaces"]),
     "two_documents": (GOOD, "a: 1\n---\nb: 2", ["case.yaml:2", "single document"]),
     "empty": (GOOD, "", ["case.yaml: is empty", "map of keys"]),
     "list": (GOOD, "- 1\n- 2", ["case.yaml: is a list", "map of keys"]),
@@ -141,7 +141,7 @@ OVERRIDE_CASES = [
     ("discretisation.particles_across=-5", ["particles_across = -5: must be at least 6"]),
     ("discretisation.spacing=2.0e-3", ["at least 6 particles", "spacing at most 0.00166667"]),
     ("discretisation={particles_across: 9, smoothing_ratio: 3}", ["at least 10 particles"]),
-    ("discretisation.particles_across=50.0", ["50.0: must be a whole number"]),
+    ("discretisation.particles_across=50.5", ["50.5: must be a whole number"]),
     ("discretisation.particles_across=4000", ["3.2e+07 particles", "88.3 GB of memory", "at most 20000000"]),
     ("discretisation.particles_across=1000000000000", ["PB of memory"]),
     ("discretisation.spacing=1e-30", ["PB of memory"]),
@@ -240,11 +240,37 @@ def test_of_two_conflicting_values_the_later_one_is_reported(message):
     assert message(content.replace("50}", "51}")).startswith("case.yaml:12: discretisation.particles_across = 51")
 
 
-def test_an_item_of_a_list_is_replaced_with_the_whole_list(message):
-    text = message(GOOD + "  samples: [1.0, 2.0]\n", "time.samples.0=1.5")
-    assert text == (
-        "--set time.samples.0=1.5: time.samples is a list: give it as a whole, such as time.samples=[1.0, 2.0]"
-    )
+def test_an_item_of_a_list_is_set_by_its_index(message):
+    content = GOOD + "  samples: [1.0, 2.0]\n"
+    for index in ("2", "-1", "end"):
+        assert message(content, f"time.samples.{index}=1.5") == (
+            f"--set time.samples.{index}=1.5: time.samples is a list of 2: {index} must be its index, from 0 on"
+        )
+    text = message(content, "time.samples.0=-1.5")
+    assert text.startswith("--set time.samples.0=-1.5: time.samples.0 = -1.5: ")
+
+
+def test_an_item_of_a_list_has_its_new_value(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD + "  samples: [1.0, 2.0]\n")
+    assert load(path, ["time.samples.0=1.5"]).time.samples == (1.5, 2.0)
+
+
+def test_whole_numbers_may_be_written_as_floats(tmp_path, message):
+    path = tmp_path / "case.yaml"
+    path.write_text(GOOD)
+    across = load(path, ["discretisation.particles_across=10.0"]).discretisation.particles_across
+    assert (across, type(across)) == (10, int)
+    for value in ("10.5", "true", "'10'"):
+        assert "must be a whole number" in message(GOOD, f"discretisation.particles_across={value}")
+
+
+@pytest.mark.parametrize(
+    ("key", "hint"),
+    [("drive.pressure_gradient", "nearest: drive.acceleration, the force"), ("inlet", "open ends are not there yet")],
+)
+def test_unknown_keys_of_other_programs_have_a_hint(message, key, hint):
+    assert f"unknown key; {hint}" in message(GOOD, f"{key}=1")
 
 
 def test_not_utf8(message):

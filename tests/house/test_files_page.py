@@ -9,6 +9,7 @@ import pytest
 from files_page import missing, run
 
 import tisph
+from tisph.studies import sweep
 
 pytestmark = pytest.mark.taichi
 
@@ -46,6 +47,8 @@ def test_keys_of_the_summary_are_on_the_page(results):
     summary = results.summary
     keys = {*summary.samples[-1].measures, *summary.numbers, *summary.momentum, *vars(summary.cost)}
     assert missing({*keys, *vars(summary.provenance)}) == set()
+    collected = {*sweep.SUMMARY_NAMES.split(), *sweep.sample_names(results.config)}
+    assert keys - set(summary.momentum) <= {*collected, "t", "resolved", "reason"}
 
 
 def test_columns_of_the_history_are_on_the_page(results):

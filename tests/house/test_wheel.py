@@ -55,6 +55,7 @@ def test_three_commands_after_the_wheel(python, tmp_path):
     )
     assert len(call("-m", "tisph", "new", "--list").splitlines()) == len(list((ROOT / "configs").glob("*.yaml")))
     assert call("-m", "tisph", "new", "couette_minimal") == "couette_minimal.yaml\n"
+    assert "  fluid.density: number above 0 [mass/length³]; must be given\n" in call("-m", "tisph", "keys", "cavity")
     overrides = [part for text in (*SMALL, VIDEO) for part in ("--set", text)]
     call("-m", "tisph", "run", "couette_minimal.yaml", *overrides)
     call("-m", "tisph", "report", "runs/couette_minimal")

@@ -32,8 +32,23 @@ from tisph.exact.linear_viscoelasticity import (
 from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
+from tisph.measures import rheometry, viscometers
 from tisph.measures.rheometry import as_plane, read, read_schedule, together
+from tisph.measures.viscometers import Reading
 from tisph.report import plots as report
+
+
+@pytest.fixture(autouse=True)
+def known_numbers(monkeypatch):
+    """Let every reading of this file have no number but the ``NUMBERS`` that a sweep can collect."""
+
+    def checked(title, lines, numbers, curves):
+        assert set(numbers) <= rheometry.NUMBERS
+        return Reading(title, lines, numbers, curves)
+
+    for module in (rheometry, viscometers):
+        monkeypatch.setattr(module, "Reading", checked)
+
 
 LIQUID = Spectrum(0.1, ((0.6, 1.0), (0.3, 0.1)))
 NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}
@@ -192,7 +207,7 @@ def test_cylinders_with_a_narrow_gap_are_planes():
 
 def test_a_cylinder_is_read_as_a_plane():
     t, inner, outer = np.linspace(0.0, 20.0, 50), WallMotion(0.5), WallMotion(0.0)
-    viscosities = {"dynamic_viscosity": 1.0, "solvent_viscosity": 0.1}
+    viscosities = {"kinematic_viscosity": 1.0, "dynamic_viscosity": 1.0, "solvent_viscosity": 0.1}
     walls = {"inner_radius": 1.0, "outer_radius": 2.0, "inner": inner, "outer": outer}
     annulus = SimpleNamespace(density=1.0, **walls, **viscosities)
     torque = -4 * np.pi * 0.5 * LIQUID.growth(t) * 4 / 3  # 4 pi W eta a^2 b^2/(b^2 - a^2), as the viscosity grows
@@ -392,8 +407,10 @@ def test_the_law_alone_has_the_wall_motion_in_the_whole_gap():
     ids=["held", "not held for as long", "slows down for long", "goes on", "there and back"],
 )
 def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities, title):
-    config = SimpleNamespace(fluid=SimpleNamespace(rheology=SimpleNamespace(carries_stress=False)))
-    channel = SimpleNamespace(gap=1.0, viscous_stress=lambda rate: 2.0 * rate)
+    law = SimpleNamespace(viscosity=lambda square: 2.0)
+    rheology = SimpleNamespace(carries_stress=False, law=lambda *viscosity_and_density: law)
+    config = SimpleNamespace(fluid=SimpleNamespace(rheology=rheology))
+    channel = SimpleNamespace(gap=1.0, kinematic_viscosity=2.0, density=1.0)
     table = {"t": TIMES, "wall_shear": TIMES, "wall_shear_exact": TIMES}
     assert read_schedule(config, channel, SCHEDULED_LIQUID, Schedule(times, velocities), table).title == title
 
@@ -431,3 +448,30 @@ def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
     curve = together([tisph.open(folder).rheometry() for folder in folders])
     drawn = next(each for each in curve.curves if "corrected" in each[1])
     assert drawn[2].tolist() == [10.0, 20.0]  # in the order of the frequency
+
+
+def test_start_ups_make_one_flow_curve(tmp_path):
+    """Viscosity and N1 of two short runs in a narrow gap at their ends, beside the law of the fluid."""
+    rheology = {"type": "giesekus", "relaxation_time": 0.1, "solvent_fraction": 0.5, "mobility": 0.3}
+    for rate in (20.0, 5.0):
+        config = {
+            "name": f"rate_{rate:g}",
+            "scene": "channel",
+            "fluid": {"density": 0.001, "dynamic_viscosity": 1.0, "rheology": rheology},
+            "geometry": {"gap": 1.0, "length": 1.25},
+            "walls": {"top": {"velocity": rate}},
+            "discretisation": {"particles_across": 8},
+            "time": {"end": 1.0 if rate == 20.0 else 0.1},
+            "output": {"video": None},
+        }
+        tisph.run(config, tmp_path / config["name"])
+    done = CliRunner().invoke(cli.app, ["rheometry", *(str(tmp_path / f"rate_{rate}") for rate in (20, 5))])
+    assert done.exit_code == 0, done.output
+    table = done.stdout.partition("steady shear\n")[2].splitlines()
+    assert table[0].endswith("N1, steady")
+    slow, fast = (list(map(float, line.split())) for line in table[1:3])
+    assert (slow[0], fast[0]) == (5.0, 20.0)
+    assert fast[1] == pytest.approx(fast[2], rel=1e-3)  # after ten relaxation times, without inertia
+    assert fast[3] == pytest.approx(fast[4], rel=1e-3)
+    assert "unsteady at the rate 5:" in table[3]  # it ends after one relaxation time
+    assert (tmp_path / "steady_shear.png").stat().st_size > 10_000

@@ -151,6 +151,19 @@ def test_movie_that_cannot_be_written_says_why(tmp_path):
     encoder.close()
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+def test_a_full_disk_is_one_line_and_leaves_the_old_movie(tmp_path):
+    path = tmp_path / "movie.mp4"
+    path.write_bytes(b"old")
+    (tmp_path / "movie.mp4.partial").symlink_to("/dev/full")
+    encoder = Encoder(path, 320, 240, 30)
+    encoder.write(np.zeros((240, 320, 4), dtype=np.uint8))
+    with pytest.raises(TisphError, match=r"^[^\n]*movie.mp4: ffmpeg stopped [^\n]*No space left on device$"):
+        encoder.close()
+    assert [each.name for each in tmp_path.iterdir()] == ["movie.mp4"]
+    assert path.read_bytes() == b"old"
+
+
 def test_error_of_the_run_is_not_hidden_by_a_broken_movie(tmp_path):
     channel = make_channel()
 

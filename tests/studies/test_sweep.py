@@ -15,11 +15,13 @@ import h5py
 import pytest
 import sweep_worker
 from fake_runs import FakeRuns, sleeper
+from ruamel.yaml import YAML
 from sweep_worker import summary
 
 from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
+from tisph.measures.viscometers import Reading
 from tisph.studies import processes, sweep
 from tisph.studies.store import fingerprint
 from tisph.studies.sweep import run
@@ -92,6 +94,8 @@ def test_keys_vary_each_with_each_or_together(study):
         ("count: 3", "number: 3", "a range has the keys"),
         ("from: 1,", "from: 0,", "time.end"),
         ("discretisation.particles_across:", "'a, b':", "list of 2 values"),
+        ("top, steps]", "tpo, stepz]", "number wall_shear_tpo; nearest: wall_shear_top, stepz; nearest: step; allow"),
+        ("collect: [l2, wall_shear_top, steps]", "collect: l2", "a list of names"),
         ("case.yaml", "cases.yaml", "no such file"),
     ],
 )
@@ -117,18 +121,37 @@ def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
     assert "9 runs: 9 done" in printed
     orders = sweep.orders(sweep.read(study, forecast), rows)
     assert orders["discretisation.particles_across"] == (pytest.approx(-2.0), 3)
-    assert orders["time.end"] == (pytest.approx(1.0), 3)
+    assert list(orders) == ["discretisation.particles_across"]  # the end of the run is no resolution
     assert "cheapest run with l2 <= 0.006: discretisation.particles_across = 20, time.end = 1" in printed
     assert (tmp_path / "out/sweep.png").stat().st_size > 10_000
 
 
-def test_failed_and_refused_runs_are_rows_with_messages(study, runs, undrawn, tmp_path):
+def test_failed_and_refused_runs_are_rows_with_messages(study, runs, undrawn, tmp_path, capsys):
     study.write_text(STUDY.replace("[10, 20, 40]", "[10, 13, -1]").replace("count: 3", "count: 1"))
     rows = run(study, tmp_path / "out", forecast, 2)
     assert [row.status for row in rows] == ["done", "failed", "refused"]
     assert rows[1].message == "particle 7 left the channel"
     assert "particles_across = -1" in rows[2].message
+    assert "refused, 1 of 3: --set discretisation.particles_across=-1: " in capsys.readouterr().out
     assert "left the channel" in (tmp_path / "out/table.csv").read_text()
+
+
+def test_numbers_of_rheometry_are_collected(study, runs, undrawn, tmp_path, monkeypatch):
+    class Run:
+        def __init__(self, folder):
+            self.folder = folder
+
+        def rheometry(self):
+            across = YAML(typ="safe").load(self.folder.with_suffix(".yaml"))["discretisation"]["particles_across"]
+            if across == 20:
+                raise ConfigError("not a rheometer")
+            return Reading("start-up", [], {"viscosity_at_the_end": 0.1 * across}, [])
+
+    monkeypatch.setattr(sweep, "open_run", Run)
+    study.write_text(STUDY.replace("steps]", "viscosity_at_the_end]").replace("count: 3", "count: 1"))
+    rows = run(study, tmp_path / "out", forecast, 1)
+    assert [row.numbers["viscosity_at_the_end"] for row in rows] == [1.0, None, 4.0]
+    assert [row.message for row in rows] == ["", "not a rheometer", ""]
 
 
 def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undrawn, tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 import gc
 import sys
 from collections.abc import Callable
+from importlib import metadata
 from typing import Annotated
 
 import typer
@@ -35,7 +36,9 @@ app = typer.Typer(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        print(f"tisph {__version__}")
+        from tisph import runtime
+
+        print(f"tisph {__version__} ({runtime.PACKAGE.capitalize()} {metadata.version(runtime.PACKAGE)})")
         raise typer.Exit
 
 
@@ -53,6 +56,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
     "check": check.check,
     "list": menu.list_families,
+    "keys": menu.keys,
     "verify": studies.verify,
     "bench": studies.bench,
     "stability": studies.stability,

@@ -156,7 +156,7 @@ def export(
     print(write(open_run(run_dir), to, out, frames=frames))
 
 
-PICTURE, NUMBERS, MODULI = "rheometry.png", "rheometry.json", "moduli.png"
+PICTURE, NUMBERS, MODULI, STEADY = "rheometry.png", "rheometry.json", "moduli.png", "steady_shear.png"
 
 
 def rheometry(
@@ -169,16 +169,19 @@ def rheometry(
     By the motion of the walls: viscosity growth, N1, creep compliance, recovery, free oscillation, relaxation modulus,
     flow curve, moduli G' and G'', harmonics. With free bodies: effective viscosity and its statistical error.
     Viscosity by a Couette viscometer, a falling ball or a capillary; three capillary runs or more give the flow curve,
-    two oscillations or more G' and G'' over the frequency (moduli.png beside their folders). The picture is
-    rheometry.png in the folder of the run, the numbers are in rheometry.json.
+    two oscillations or more G' and G'' over the frequency (moduli.png beside their folders), two start-ups or more
+    viscosity and N1 over the shear rate (steady_shear.png there). The picture is rheometry.png in the folder of the
+    run, the numbers are in rheometry.json.
 
     \b
     Examples:
       tisph rheometry runs/creep_and_recovery
       tisph rheometry runs/oscillation_* --csv moduli.csv
+      tisph rheometry runs/rate_*
       tisph rheometry runs/falling_ball --json
     """
-    from tisph.measures.rheometry import together
+    from tisph import scenes
+    from tisph.measures.rheometry import steady_shear, together, uniform_shear
     from tisph.measures.viscometers import rabinowitsch
     from tisph.report.plots import plot_reading
     from tisph.results import open_run
@@ -201,8 +204,15 @@ def rheometry(
         plot_reading(run.folder / PICTURE, name, reading, run.config.units)
         say(f"  picture {run.folder / PICTURE}")
     oscillations = [reading for reading in readings if reading.title == "oscillation"]
+    sheared = [reading for reading in readings if reading.title == "start-up"]
+    joined = []
     if len(fluids) == 1 and len(oscillations) > 1:
-        curve, picture = together(oscillations), runs[0].folder.parent / MODULI
+        joined.append((together(oscillations), MODULI))
+    if len(fluids) == 1 and len({abs(reading.numbers["shear_rate"]) for reading in sheared}) > 1:
+        law = uniform_shear(runs[0].config.fluid.rheology, scenes.of(runs[0].config))
+        joined.append((steady_shear(sheared, law), STEADY))
+    for curve, picture_name in joined:
+        picture = runs[0].folder.parent / picture_name
         say(curve.title, *curve.lines, f"picture {picture}")
         plot_reading(picture, runs[0].folder.parent.name, curve, runs[0].config.units)
     for fluid in sorted(fluids):

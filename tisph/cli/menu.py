@@ -1,6 +1,7 @@
-"""The menu: ``tisph list`` shows the choices of a config, ``tisph new`` copies a commented config to the user."""
+"""The menu: ``tisph list`` and ``keys`` show choices and keys of a config, ``tisph new`` copies a commented config."""
 
 import re
+import runpy
 from itertools import takewhile
 from pathlib import Path
 from typing import Annotated
@@ -10,9 +11,6 @@ import typer
 from tisph.errors import ConfigError, TisphError
 
 PACKAGE = Path(__file__).resolve().parents[1]
-
-FOLDERS = (PACKAGE / "configs", PACKAGE.parent / "configs")
-"""Folders of the menu: in an installed package, and in a checkout."""
 
 SHORTEST = 20
 """Least number of characters of a line of the menu: a sentence ends at a dot or colon only after as many."""
@@ -40,10 +38,15 @@ def new(
 
 def menu() -> list[Path]:
     """Return the configs of the menu by their names."""
-    folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
-    if folder is None:
-        raise TisphError(f"there are no configs in {FOLDERS[0]}: the installation is not complete")
-    return sorted(folder.glob("*.yaml"))
+    return sorted(shipped("configs").glob("*.yaml"))
+
+
+def shipped(name: str) -> Path:
+    """Return the folder ``name`` in an installed package, or in a checkout; TisphError without one."""
+    for folder in (PACKAGE / name, PACKAGE.parent / name):
+        if folder.is_dir():
+            return folder
+    raise TisphError(f"there is no {PACKAGE / name}: the installation is not complete")
 
 
 def first_words(path: Path) -> str:
@@ -94,3 +97,25 @@ def list_families(
         print(shown)
         for name in registry.names(shown):
             print(f"  {name:16} {registry.summary(shown, name)}")
+
+
+def keys(
+    scene: Annotated[str | None, typer.Argument(metavar="[SCENE]", help="One scene; all without it.")] = None,
+) -> None:
+    """Print the keys of a config: unit, allowed values, default and meaning.
+
+    With a SCENE they are the keys that its configs may have.
+
+    \b
+    Examples:
+      tisph keys
+      tisph keys channel
+    """
+    from tisph import registry
+    from tisph.config.fields import nearest
+
+    names = registry.names("scenes")
+    if scene not in (None, *names):
+        raise ConfigError(f"SCENE {scene!r}: must be one of {', '.join(names)}{nearest(scene, names)}")
+    for line in runpy.run_path(str(shipped("docs") / "_reference.py"))["listing"](scene):  # the page of keys, too
+        print(line)

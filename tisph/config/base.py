@@ -3,11 +3,19 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_serializer, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_serializer, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 # Beyond these magnitudes products of a few inputs (a Reynolds number, a time step) leave the range of f64.
 SMALLEST, LARGEST = 1e-30, 1e30
+
+
+def _whole(value: Any) -> Any:
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Whole = Annotated[int, BeforeValidator(_whole)]
+"""A whole number, which may be written as 10.0."""
 
 Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 """A physical quantity that cannot be zero or negative."""

@@ -43,6 +43,14 @@ TEXTS = {
 }
 """pydantic's type of an error -> text; other types have pydantic's own text."""
 
+HINTS = {
+    "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
+    **dict.fromkeys(
+        ("inlet", "outlet", "ends"), "open ends are not there yet: take a periodic channel with drive.acceleration"
+    ),
+}
+"""Unknown key -> the way to the same flow."""
+
 
 def describe(error: ValidationError, data: Any, written: Callable[[KeyPath], int]) -> list[tuple[KeyPath, str]]:
     """Return place and message of every error of a failed validation of the raw ``data``.
@@ -106,7 +114,8 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
         model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
-    suggestion = nearest(place[-1], allowed) or next(elsewhere, "")
+    hint = f"; {HINTS[place[-1]]}" if place[-1] in HINTS else ""
+    suggestion = hint or nearest(place[-1], allowed) or next(elsewhere, "")
     return f"unknown key{suggestion}; allowed: {', '.join(allowed)}"
 
 
@@ -224,23 +233,25 @@ class Source:
         dotted, equals, value = text.partition("=")
         label = f"--set {in_one_line(text)}"
         first, *below = (part.strip() for part in dotted.split("."))
-        place = (self._present(first), *below)
-        if not equals or not all(place):
+        keys = (self._present(first), *below)
+        if not equals or not all(keys):
             raise ConfigError(f"{label}: must look like key.path=value, such as time.end=2.7")
         try:
             parsed = parse(value).data
         except YamlTextError as error:
             raise ConfigError(f"{label}: the value {error.text}") from None
         origin = (LARGEST_FILE + rank, label)
-        parent = self.data
-        for depth, part in enumerate(place[:-1], start=1):
-            if part not in parent:
+        parent: Any = self.data
+        place: KeyPath = ()
+        for depth, part in enumerate(keys, start=1):
+            place = (*place, step(parent, part, f"{label}: {'.'.join(map(str, place))}"))
+            if depth == len(keys):
+                parent[place[-1]] = parsed
+                break
+            if isinstance(parent, dict) and part not in parent:
                 parent[part] = {}
-                self._origins[place[:depth]] = origin
-            parent = parent[part]
-            if not isinstance(parent, dict):
-                self._refuse_to_go_below(".".join(place[:depth]), parent, label)
-        parent[place[-1]] = parsed
+                self._origins[place] = origin
+            parent = parent[place[-1]]
         replaced = [old for old in self._origins if old[: len(place)] == place]
         for old in replaced:
             del self._origins[old]
@@ -257,11 +268,6 @@ class Source:
         section = re.split("[. ]", message)[0]
         return self._former.get(section, section) + message[len(section) :]
 
-    def _refuse_to_go_below(self, key: str, value: Any, label: str) -> None:
-        kind = "is a list: give it as a whole" if isinstance(value, list) else "is not a map of keys"
-        example = f", such as {key}=[1.0, 2.0]" if isinstance(value, list) else ""
-        raise ConfigError(f"{label}: {key} {kind}{example}")
-
     def written(self, place: KeyPath) -> int:
         """Return the order of ``place`` itself, -1 where it was left out."""
         return self._origins.get(place, (-1, ""))[0]
@@ -271,6 +277,17 @@ class Source:
         while place and place not in self._origins:
             place = place[:-1]
         return self._origins.get(place, (0, self.path))
+
+
+def step(parent: Any, part: str, label: str) -> str | int:
+    """Return the key or index ``part`` below ``parent``; ConfigError, which begins with ``label``, without one."""
+    if isinstance(parent, dict):
+        return part
+    if not isinstance(parent, list):
+        raise ConfigError(f"{label} is not a map of keys")
+    if not (part.isdecimal() and int(part) < len(parent)):
+        raise ConfigError(f"{label} is a list of {len(parent)}: {part} must be its index, from 0 on")
+    return int(part)
 
 
 def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:

@@ -12,12 +12,12 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_v
 
 from tisph import registry
 from tisph.config import checks, yaml_text
-from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, refusal
+from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, Whole, refusal
 from tisph.config.checks import LEAST_PARTICLES_ACROSS
 from tisph.config.fields import Member, member_name, number_or
 
-FrameWidth = Annotated[int, Field(ge=640, le=4096, multiple_of=2)]
-FrameHeight = Annotated[int, Field(ge=320, le=4096, multiple_of=2)]
+FrameWidth = Annotated[Whole, Field(ge=640, le=4096, multiple_of=2)]
+FrameHeight = Annotated[Whole, Field(ge=320, le=4096, multiple_of=2)]
 
 
 class Video(Model):
@@ -29,8 +29,8 @@ class Video(Model):
     paths of some particles.
     """
 
-    fps: Annotated[int, Field(ge=1, le=120)] = 30
-    frames: Annotated[int, Field(ge=2, le=10_000)] = 120
+    fps: Annotated[Whole, Field(ge=1, le=120)] = 30
+    frames: Annotated[Whole, Field(ge=2, le=10_000)] = 120
     width: FrameWidth = 1280
     height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
@@ -42,7 +42,7 @@ class Video(Model):
     theme: Literal["light", "dark"] = "light"
 
 
-Count = Annotated[int, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
+Count = Annotated[Whole, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
 
 FORMER_KEYS = {"tracers": "probes"}
 """Former name of a section -> present name. Both are accepted; resolved configs have the former, for older versions."""
@@ -161,7 +161,7 @@ class Runtime(Model):
     """Processor and number of threads of the loops."""
 
     arch: Literal["cpu"] = "cpu"
-    threads: number_or(Annotated[int, Field(ge=1, le=256)], "auto") = "auto"
+    threads: number_or(Annotated[Whole, Field(ge=1, le=256)], "auto") = "auto"
 
 
 class Config(Model):

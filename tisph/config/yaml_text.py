@@ -52,7 +52,7 @@ def parse(text: str) -> Document:
         reader._parser = _Parsed(events)  # otherwise the composer scans the text again, which doubles the time
         return Document(builder.plain(reader.composer.get_single_node()), builder.lines)
     except PARSER_ERRORS as error:
-        raise YamlTextError(*_parser_message(error)) from None
+        raise YamlTextError(*_parser_message(error, text)) from None
 
 
 def dump(data: dict[str, Any]) -> str:
@@ -69,7 +69,10 @@ def _reader() -> Any:
     return YAML(typ="safe", pure=True)
 
 
-def _parser_message(error: Any) -> tuple[str, int | None]:
+def _parser_message(error: Any, given: str) -> tuple[str, int | None]:
+    for number, line in enumerate(given.splitlines(), start=1):
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            return "a tab; YAML indents with spaces", number
     mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
     marked = isinstance(error, MarkedYAMLError)
     text = ", ".join(part for part in (error.context, error.problem) if part) if marked else ""

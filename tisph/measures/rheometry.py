@@ -31,6 +31,7 @@ from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.viscometers import (
     SHOWN,
+    STEADY,
     VISCOMETERS,
     Axes,
     Reading,
@@ -42,6 +43,22 @@ from tisph.measures.viscometers import (
     read_suspension,
     read_viscometer,
 )
+
+NAMES = """
+strain modulus_at_the_end modulus_at_the_end_reference modulus_at_the_end_without_inertia modulus_at_the_end_linear
+inertia_gone_at normal_over_shear_stress_at_the_end off_reference off_by_inertia off_by_memory fastest_rate
+angular_frequency third_harmonic storage_modulus_apparent loss_modulus_apparent storage_modulus_reference_apparent
+loss_modulus_reference_apparent storage_modulus_corrected_for_inertia loss_modulus_corrected_for_inertia
+storage_modulus_linear_theory loss_modulus_linear_theory shear_rate viscosity_at_the_end
+viscosity_at_the_end_reference normal_stress_coefficient_at_the_end normal_stress_coefficient_at_the_end_reference
+compliance_at_the_end compliance_at_the_end_reference recovered_strain recovered_strain_reference
+ringing_frequency_run ringing_frequency_reference ringing_frequency_linear_theory ringing_damping_run
+ringing_damping_reference ringing_damping_linear_theory wall_stress rate flow_rate apparent_rate velocity
+wall_factor reynolds viscosity area_fraction relative_viscosity_walls relative_viscosity_walls_error
+relative_viscosity_bodies relative_viscosity_bodies_error relative_viscosity_contacts contacts
+"""
+NUMBERS = frozenset(NAMES.split())
+"""Names of the numbers of all readings."""
 
 Stresses: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Shear stress and first normal stress difference at some times."""
@@ -68,7 +85,7 @@ def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
         density=annulus.density,
         dynamic_viscosity=annulus.dynamic_viscosity,
         solvent_viscosity=annulus.solvent_viscosity,
-        viscous_stress=lambda rate: annulus.dynamic_viscosity * rate,
+        kinematic_viscosity=annulus.kinematic_viscosity,
         top=wall,
         apparent_viscosity=lambda viscosity, frequency: cylinder_apparent_viscosity(
             viscosity, frequency, annulus.density, own, other
@@ -95,18 +112,22 @@ POINTS = 101
 """Points of the steady flow curve."""
 
 
+def uniform_shear(rheology: Any, channel: Any) -> UniformShear:
+    """Return the law of the fluid in uniform shear; ``channel`` has its viscosities."""
+    if not rheology.carries_stress:
+        fluid = rheology.law(channel.kinematic_viscosity, channel.density)
+        return UniformShear(lambda rate: channel.density * fluid.viscosity(rate**2) * rate)
+    solvent = channel.density * channel.solvent_viscosity
+    return UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
+
+
 def read_schedule(config: Any, channel: Any, fluid: Spectrum, wall: Schedule, table: Table) -> Reading:
     """Return the reading of a step strain where the ``wall`` rests for longer than it moved, else of a flow curve.
 
     ``fluid``: its ``Spectrum``; ``table``: columns of the history for a moving upper wall. A wall that returns to its
     start leaves no strain.
     """
-    rheology, end = config.fluid.rheology, wall.times[-1]
-    if rheology.carries_stress:
-        solvent = channel.density * channel.solvent_viscosity
-        law = UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
-    else:
-        law = UniformShear(channel.viscous_stress)
+    law, end = uniform_shear(config.fluid.rheology, channel), wall.times[-1]
     pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
     rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
     alone = law.response(rates, table["t"])
@@ -363,6 +384,35 @@ def together(readings: Sequence[Reading]) -> Reading:
     return Reading("moduli over the angular frequency", lines, {}, curves)
 
 
+def steady_shear(readings: Sequence[Reading], law: UniformShear) -> Reading:
+    """Return one reading of two or more start-ups of one fluid at their ends: viscosity and N1 over the shear rate.
+
+    ``law`` of the fluid in uniform shear gives the exact curves. N1 is missing without a polymer.
+    """
+    ordered = sorted(readings, key=lambda each: abs(each.numbers["shear_rate"]))
+    rate = np.array([abs(each.numbers["shear_rate"]) for each in ordered])
+    known = np.array([law.steady(one) for one in rate])
+    dense = np.geomspace(0.5 * rate[0], 2.0 * rate[-1], len(DECADES))
+    exact = np.array([law.steady(one) for one in dense])
+    viscosity = np.array([each.numbers["viscosity_at_the_end"] for each in ordered])
+    coefficient = np.array([each.numbers.get("normal_stress_coefficient_at_the_end", np.nan) for each in ordered])
+    values = {"viscosity": (viscosity, known[:, 0] / rate, exact[:, 0] / dense)}
+    if not np.isnan(coefficient).all():
+        values["N1"] = (coefficient * rate**2, known[:, 1], exact[:, 1])
+    columns, curves = {"rate": rate}, []
+    for (name, (found, steady, line)), unit in zip(values.items(), ("viscosity", "stress"), strict=False):
+        columns |= {name: found, f"{name}, steady": steady}
+        axis = Axes("shear rate", name, ("rate", unit), logarithmic=True)
+        curves += [(axis, "steady shear of the fluid", dense, line, "--"), (axis, "runs", rate, found, "o")]
+    lines = [" ".join(f"{name:>17}" for name in columns)]
+    lines += [" ".join(f"{value:17.6g}" for value in row) for row in zip(*columns.values(), strict=True)]
+    for each in ordered:
+        _, _, t, growth, _ = each.curves[0]
+        if not abs(np.interp(0.9 * t[-1], t, growth) / growth[-1] - 1.0) < STEADY:
+            lines.append(f"  unsteady at the rate {each.numbers['shear_rate']:.6g}: its run is too short")
+    return Reading("steady shear", lines, {}, curves)
+
+
 def _window(t: np.ndarray, frequency: float, longest: float) -> tuple[np.ndarray, int]:
     """Return the times of the evaluated whole periods at the end of the run, and the index of the first.
 
@@ -400,7 +450,8 @@ def _start_up(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading
     quantity = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
     lines = [f"{quantity}; shear rate {rate:.6g}, before {before:.6g}"]
     lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
-    numbers = {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
+    numbers = {"shear_rate": rate} if rate else {}
+    numbers |= {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = Axes("time", quantity, ("time", "viscosity"), logarithmic=bool(rate))
     curves = [
         (axis, "run", t, found, "."),

@@ -18,6 +18,7 @@ from imageio_ffmpeg import get_ffmpeg_exe
 from PIL import Image
 
 from tisph.errors import TisphError
+from tisph.folder import partial, replaced
 from tisph.report.drawing_process import apart_from_terminal
 
 _WIDTH, _RATE = 640, 12  # pixels, and frames a second
@@ -29,14 +30,15 @@ _FILTERS = (
 
 def write_gif(movie: Path, path: Path) -> None:
     """Write the ``movie`` as GIF to ``path``; TisphError where ffmpeg cannot."""
-    command = [get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", f"file:{movie}", "-vf", _FILTERS, f"file:{path}"]
-    try:
-        done = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL)
-    except OSError as error:
-        raise TisphError(f"{path}: ffmpeg could not be started, so there is no GIF: {error}") from error
-    if done.returncode != 0:
-        words = done.stderr.decode(errors="replace").strip()
-        raise TisphError(f"{path}: ffmpeg stopped with status {done.returncode}: {words}")
+    command = [get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", f"file:{movie}", "-vf", _FILTERS, "-f", "gif"]
+    with replaced(path) as new:
+        try:
+            done = subprocess.run([*command, f"file:{new}"], capture_output=True, stdin=subprocess.DEVNULL)
+        except OSError as error:
+            raise TisphError(f"{path}: ffmpeg could not be started, so there is no GIF: {error}") from error
+        if done.returncode != 0:
+            words = done.stderr.decode(errors="replace").strip()
+            raise TisphError(f"{path}: ffmpeg stopped with status {done.returncode}: {words}")
 
 
 SOUGHT = "-2"
@@ -75,10 +77,10 @@ _PIPE = 2**20  # bytes: a frame goes through in a few turns of both processes, n
 
 
 class Encoder:
-    """Writes frames to ``path`` as they come; ``close`` makes the file playable, also after an interruption.
+    """Writes frames as they come; ``close`` makes the file ``path``, also after an interruption.
 
-    ``width`` and ``height`` in pixels must be even, as yuv420p has one colour for 2 x 2 pixels. Raises
-    TisphError if ffmpeg cannot start or stops early.
+    Until then, and after a failure, the file is as before. ``width`` and ``height`` in pixels must be even, as yuv420p
+    has one colour for 2 x 2 pixels. Raises TisphError if ffmpeg cannot start or stops early.
     """
 
     def __init__(self, path: Path, width: int, height: int, frames_per_second: float):
@@ -86,7 +88,7 @@ class Encoder:
         self._messages = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the process)
         try:
             self._process: Any = subprocess.Popen(
-                _command(path, width, height, frames_per_second),
+                _command(partial(path), width, height, frames_per_second),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=self._messages,
@@ -117,14 +119,16 @@ class Encoder:
         if status != 0:
             raise self._failure()
         self._messages.close()
+        partial(self._path).replace(self._path)
 
     def _failure(self) -> TisphError:
         with contextlib.suppress(OSError):
             self._process.stdin.close()
         status = self._process.wait()
         self._messages.seek(0)
-        words = self._messages.read().decode(errors="replace").strip() or "it said nothing"
+        words = (self._messages.read().decode(errors="replace").strip() or "it said nothing").splitlines()[0]
         self._messages.close()
+        partial(self._path).unlink(missing_ok=True)
         return TisphError(f"{self._path}: ffmpeg stopped with status {status}: {words}")
 
 
@@ -135,7 +139,7 @@ def _command(path: Path, width: int, height: int, frames_per_second: float) -> l
         "-f", "rawvideo", "-pix_fmt", "rgb0", "-s", f"{width}x{height}", "-r", str(frames_per_second),
         "-i", "pipe:0",
         "-an", "-vf", _COLOURS, "-c:v", "libx264", *_QUALITY, "-threads", "1",
-        "-movflags", "+faststart", f"file:{path}",
+        "-movflags", "+faststart", "-f", "mp4", f"file:{path}",
     ]  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole
 from tisph.config.checks import LEAST_IN_PERIOD
 
 
@@ -48,7 +48,7 @@ class RestInitial(Model):
     """
 
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
 
 
 class Initial(Model):
@@ -65,7 +65,7 @@ class Initial(Model):
     state: Literal["rest", "developed", "exact"] = "rest"
     time: NonNegative = 0.0
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
 
 
 def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:

@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel import SIDES, Channel
@@ -123,7 +123,7 @@ class Walls(Model):
 class Probes(Model):
     """Fixed points on a vertical line at ``x`` [length], whose velocities go to history.csv."""
 
-    count: Annotated[int, Field(ge=2, le=1000)] = 10
+    count: Annotated[Whole, Field(ge=2, le=1000)] = 10
     x: number_or(Annotated[float, Field(ge=0)], "centre") = "centre"
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import Field
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem
+from tisph.config.base import Model, Positive, Problem, Whole
 from tisph.measures.fits import velocity_gradients
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.scenes._views import Profile, TimeSeries, energy_series, kinetic_energy, planar_diagnostics, velocity_profile
@@ -49,7 +49,7 @@ class Initial(Model):
     thickness: Positive
     perturbation: Annotated[float, Field(gt=0, lt=1)] = 0.05
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
 
 
 class Config(schema.Config):

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem
+from tisph.config.base import Model, Positive, Problem, Whole
 from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes._scene import Scene as AnyScene
@@ -28,7 +28,7 @@ from tisph.scenes._views import (
 )
 from tisph.snapshot import Snapshot
 
-Cells = Annotated[int, Field(ge=1, le=1000)]
+Cells = Annotated[Whole, Field(ge=1, le=1000)]
 
 
 class Geometry(Model):
@@ -47,7 +47,7 @@ class Initial(Model):
 
     velocity: Positive
     jitter: Annotated[float, Field(ge=0, lt=0.5)] = 0.0
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
 
 
 class Config(schema.Config):

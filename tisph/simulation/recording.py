@@ -384,7 +384,8 @@ def _small(folder: Folder) -> tuple[Path, Path]:
     image = poster(folder.movie)
     if image is None:
         raise ConfigError(f"{folder.movie}: is no complete movie")
-    folder.poster.write_bytes(image)
+    with replaced(folder.poster) as new:
+        new.write_bytes(image)
     return folder.movie_gif, folder.poster
 
 

@@ -24,7 +24,7 @@ from typing import Any, NoReturn
 from ruamel.yaml import YAML
 
 from tisph.config.fields import nearest
-from tisph.config.loader import loaded
+from tisph.config.loader import loaded, step
 from tisph.config.yaml_text import Document, YamlTextError, parse
 from tisph.errors import ConfigError
 from tisph.studies import checks
@@ -225,19 +225,14 @@ class _File:
 
     def _change(self, config: Any, key: str, value: Any, where: Place) -> None:
         """Set the value of a dotted ``key``, in which a number is an index in a list."""
-        *parents, last = (int(part) if part.isdigit() else part for part in key.split("."))
-        for parent in parents:
-            config = config.setdefault(parent, {}) if isinstance(config, dict) else self._item(config, parent, where)
-        if isinstance(config, list):
-            self._item(config, last, where)
-        elif not isinstance(config, dict):
-            self._fail(where, "the key goes on below a single value")
-        config[last] = copy.deepcopy(value)
-
-    def _item(self, items: Any, place: str | int, where: Place) -> Any:
-        if not isinstance(items, list) or not isinstance(place, int) or place >= len(items):
-            self._fail(where, f"{place} is no place in a list, counted from 0")
-        return items[place]
+        *parents, last = key.split(".")
+        try:
+            for part in parents:
+                below = step(config, part, key)
+                config = config.setdefault(part, {}) if isinstance(config, dict) else config[below]
+            config[step(config, last, key)] = copy.deepcopy(value)
+        except ConfigError as error:
+            self._fail(where, str(error))
 
     def _criteria(self, data: dict, place: Place, configs: dict[str, Config]) -> list[Criterion]:
         found: list[Criterion] = []

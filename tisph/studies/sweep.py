@@ -7,7 +7,7 @@ vary:
   discretisation.particles_across: [10, 20, 40]
   time.tolerance: {from: 1.0e-5, to: 1.0e-3, count: 3, spacing: log}
   "fluid.density, walls.top.velocity": [[1.0, 0.5], [2.0, 0.25]]    # vary together
-collect: [l2, wall_shear_top]           # numbers of the last sample, of numbers or of cost
+collect: [l2, wall_shear_top]           # numbers of the last sample, of numbers, of cost or of tisph rheometry
 error: l2                               # the number that the summary judges
 bound: 1.0e-3                           # the summary names the cheapest run below it
 
@@ -20,9 +20,11 @@ import csv
 import hashlib
 import itertools
 import json
+import math
 import multiprocessing
 import statistics
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
@@ -34,14 +36,18 @@ import numpy as np
 from matplotlib.axes import Axes
 from rich.console import Console
 
+from tisph import scenes
 from tisph.config import load
 from tisph.config.fields import nearest
+from tisph.config.loader import override_texts
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import hdf5_file, replaced
-from tisph.measures.metrics import fitted_order
+from tisph.measures import rheometry
+from tisph.measures.metrics import fitted_order, sample_metrics
 from tisph.report import style
-from tisph.studies.processes import Outcomes, prepare, run_config
+from tisph.results import open_run
+from tisph.studies.processes import Outcomes, Result, prepare, run_config
 from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
 from tisph.studies.suites import document
 from tisph.text_table import format_table
@@ -54,8 +60,22 @@ MOST = 100_000
 
 TABLE, COSTS, ARRAYS, PICTURE = "table.csv", "costs.csv", "table.h5", "sweep.png"
 
+MOST_REASONS = 10
+"""Largest number of reasons of refused runs that are printed."""
+
 MOST_LINES = 12
 """Largest number of lines in a panel of the picture with a legend."""
+
+RESOLUTION = ("discretisation.particles_across", "discretisation.spacing", "time.cfl", "time.tolerance")
+"""Keys of the resolution in space and time: the error scales with a power of them."""
+
+SUMMARY_NAMES = """
+reynolds reference_velocity spacing particles_fluid steady_since dt_min dt_max mach sound_speed neighbours_mean
+neighbour_rebuilds particles_wall steps_rejected order_reduced neighbourhoods_dropped divergence iterations_pressure
+iterations_velocity contacts contact_time contact_force steps wall_total_s wall_import_s wall_compile_s wall_loop_s
+wall_output_s particle_steps_per_s peak_memory_mb
+"""
+"""Names in the parts ``numbers`` and ``cost`` of ``summary.json``, of all flows and schemes."""
 
 NOT_SENT = ("frames.h5", "checkpoint.h5", ".lock")
 """Large files that a worker does not send back, since no table needs them."""
@@ -99,7 +119,9 @@ def read(path: str | Path, forecast: Forecast) -> Study:
     for key in set(data) - set(KEYS):
         raise ConfigError(f"{path}: unknown key {key}{nearest(key, list(KEYS))}")
     keys, rows = _rows(data["vary"], path)
-    collect = tuple(data.get("collect", ("l2",)))
+    collect = data.get("collect", ["l2"])
+    if not isinstance(collect, list) or not all(isinstance(name, str) for name in collect):
+        raise ConfigError(f"{path}: collect must be a list of names, such as [l2, steps]")
     with tempfile.TemporaryDirectory() as scratch:
         if isinstance(data["base"], dict):
             base = Path(scratch) / f"{path.stem}.yaml"
@@ -108,10 +130,38 @@ def read(path: str | Path, forecast: Forecast) -> Study:
             beside = path.parent / str(data["base"])
             base = beside if beside.is_file() else Path(str(data["base"]))
         cases = tuple(_case(base, dict(zip(keys, row, strict=True)), forecast) for row in rows)
-    judged = data.get("error", collect[0] if collect else "l2")
-    return Study(
-        data.get("name", path.stem), keys, cases, tuple(dict.fromkeys((judged, *collect))), judged, data.get("bound")
-    )
+        judged = str(data.get("error", collect[0] if collect else "l2"))
+        collected = tuple(dict.fromkeys((judged, *collect)))
+        _require_names(path, collected, base, cases)
+    return Study(data.get("name", path.stem), keys, cases, collected, judged, data.get("bound"))
+
+
+def _require_names(path: Path, collected: tuple[str, ...], base: Path, cases: tuple[Case, ...]) -> None:
+    """Raise ConfigError for a collected name that no run of the valid ``cases`` can have."""
+    known = {*SUMMARY_NAMES.split(), *rheometry.NUMBERS}
+    valid = [case for case in cases if case.config is not None]
+    for case in valid:
+        if known.issuperset(collected):
+            break
+        known |= sample_names(load(base, override_texts(case.values)))
+    missing = [name for name in collected if name not in known]
+    if valid and missing:
+        texts = [f"{name}{nearest(name, sorted(known))}" for name in missing]
+        raise ConfigError(
+            f"{path}: collect, error: no run has the number {', '.join(texts)}; allowed: numbers of the last sample, "
+            "of numbers or cost in summary.json, or of tisph rheometry"
+        )
+
+
+def sample_names(config: Any) -> set[str]:
+    """Return the names of the numbers of a sample in ``summary.json`` of a valid ``config``, from its start."""
+    from tisph.simulation.state import start_snapshot, start_values  # only here: it imports Taichi
+
+    scene = scenes.of(config)
+    start = start_snapshot(scene, start_values(scene.in_flow_frame(), config.initial), "f64")
+    series = scene.time_series(**config.time_series)
+    values = series.measure(start)
+    return set(sample_metrics(scene, start, (series.places, values, (np.array([start.t]), values[None]))))
 
 
 def _rows(vary: Any, path: Path) -> tuple[tuple[str, ...], list[tuple]]:
@@ -159,7 +209,7 @@ def _range(name: str, given: dict[str, Any], path: Path) -> list[float]:
 
 def _case(base: Path, values: dict[str, Any], forecast: Forecast) -> Case:
     try:
-        config = load(base, [f"{key}={json.dumps(value)}" for key, value in values.items()])
+        config = load(base, override_texts(values))
         numbers, _ = forecast(config)
     except ConfigError as error:
         return Case(_hash(values), values, None, refusal=str(error))
@@ -192,23 +242,35 @@ class Row:
     total: float | None = None
 
 
-def row(study: Study, case: Case, summary: dict[str, Any] | None, message: str) -> Row:
-    """Return the ``Row`` of a run from its ``summary``, which is None for a refused config.
+def row(study: Study, case: Case, result: Result | None, message: str) -> Row:
+    """Return the ``Row`` of a run from its ``result``, which is None for a refused config.
 
-    A collected number is the one of the last sample, if the run reached it, else the one of ``numbers`` or ``cost``.
+    A collected number is the one of the last sample, if the run reached it, else the one of ``numbers`` or ``cost``,
+    else of the run as a rheometer.
     """
-    if summary is None:
+    if result is None:
         return Row(case, "refused", message, dict.fromkeys(study.collect))
+    summary = result.summary
     cost, numbers = summary.get("cost", {}), summary.get("numbers", {})
-    last = summary["samples"][-1] if summary["status"] == "done" and summary.get("samples") else {}
+    done = summary["status"] == "done"
+    last = summary["samples"][-1] if done and summary.get("samples") else {}
+    parts: list[dict[str, Any]] = [last, numbers, cost]
+    if done and not {*last, *numbers, *cost}.issuperset(study.collect):
+        try:
+            parts.append(open_run(result.folder).rheometry().numbers)
+        except ConfigError as error:
+            message = str(error)
     collected = {
-        name: next((part[name] for part in (last, numbers, cost) if isinstance(part.get(name), int | float)), None)
-        for name in study.collect
+        name: next((part[name] for part in parts if _is_number(part.get(name))), None) for name in study.collect
     }
     steps, particles = cost.get("steps"), numbers.get("particles_fluid")
     return Row(
         case, summary["status"], message, collected, steps, particles, cost.get("wall_loop_s"), cost.get("wall_total_s")
     )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
 def write(study: Study, rows: list[Row], folder: Path) -> None:
@@ -246,13 +308,13 @@ def _text(value: Any) -> str:
 
 
 def orders(study: Study, rows: list[Row]) -> dict[str, tuple[float, int]]:
-    """Return key -> (power, number of groups): the power of each varied number with which the error scales.
+    """Return key -> (power, number of groups): the power of each varied key of ``RESOLUTION`` in the error.
 
     A group is a set of runs with equal values of all other keys; the power is the median over the groups. A key is
     missing where an error does not exist or is zero.
     """
     found = {}
-    for key in study.keys:
+    for key in (key for key in study.keys if key in RESOLUTION):
         lines = [zip(*points, strict=True) for points in groups(study, rows, key).values() if len(points) > 1]
         slopes = [-fitted_order(values, errors) for values, errors in lines]
         if slopes:
@@ -292,8 +354,10 @@ def plot(study: Study, rows: list[Row], path: Path) -> bool:
         for axes, key in zip(grid, keys, strict=True):
             _panel(axes[0], groups(study, rows, key), f"error: {study.error}", key)
             _panel(axes[1], groups(study, rows, key, lambda each: each.seconds), "time of the loop [s]", key)
-            power, count = found[key]
-            axes[0].set_title(f"{study.error} ~ ({key})^{power:.2g}" + (f", median of {count}" if count > 1 else ""))
+            if key in found:
+                power, count = found[key]
+                median = f", median of {count}" if count > 1 else ""
+                axes[0].set_title(f"{study.error} ~ ({key})^{power:.2g}{median}")
             if study.bound:
                 axes[0].axhline(study.bound, color=style.EXACT, linewidth=0.9)
         figure.tight_layout()
@@ -357,7 +421,7 @@ class Sweep:
             if case.config is None:
                 self.known[case.name] = row(study, self.cases[case.name], None, case.refusal or "")
             elif kept := self.store.kept(case.name, case.config):
-                self.known[case.name] = row(study, self.cases[case.name], kept[0].summary, kept[1])
+                self.known[case.name] = row(study, self.cases[case.name], *kept)
 
     @property
     def rows(self) -> list[Row]:
@@ -369,6 +433,11 @@ class Sweep:
         study, count = self.study, len(self.study.cases)
         missing = {case.name: case for case in study.cases if case.name not in self.known}
         print(f"{count} runs, {count - len(missing)} of them known", flush=True)
+        refused = Counter(case.refusal for case in study.cases if case.refusal)
+        for reason, times in refused.most_common(MOST_REASONS):
+            print(f"refused, {times} of {count}: {reason}")
+        if len(refused) > MOST_REASONS:
+            print(f"further reasons: {len(refused) - MOST_REASONS}, in {TABLE}")
         try:
             if missing:
                 self._run(missing, processes, scheduler)
@@ -387,7 +456,7 @@ class Sweep:
         engine = Engine(self.store, processes, {name: case.seconds for name, case in missing.items()})
         with engine, closing(engine.outcomes(configs, source=source)) as outcomes:
             for count, (name, result, message) in enumerate(outcomes, 1):
-                found = self.known[name] = row(study, self.cases[name], result.summary, message)
+                found = self.known[name] = row(study, self.cases[name], result, message)
                 values = ", ".join(f"{key.rpartition('.')[2]} = {value}" for key, value in found.case.values.items())
                 number = found.numbers[error]
                 text = f"{error} {number:.2e}" if number is not None else found.message or found.status

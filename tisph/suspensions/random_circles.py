@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from tisph.bodies import circle
-from tisph.config.base import Model, Positive, refusals
+from tisph.config.base import Model, Positive, Whole, refusals
 from tisph.config.fields import MOST_BODIES, either
 from tisph.geometry.packing import random_centres
 from tisph.geometry.region import Region
@@ -47,7 +47,7 @@ class Parameters(Shared):
     radius: Radii
     shares: _Several | None = None
     fraction: Annotated[float, Field(gt=0, lt=1)]
-    seed: Annotated[int, Field(ge=0, le=2**63 - 1)] = 0
+    seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
     least_gap: Positive | None = None
 
     @model_validator(mode="after")

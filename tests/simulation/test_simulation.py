@@ -60,6 +60,8 @@ def test_states_at_regular_times_end_with_the_bits_of_tisph_run(end_of_run):
     with tisph.Simulation(CASE) as sim:
         assert sim.state.t == 0.0
         assert not sim.state.u.any()
+        with pytest.raises(ValueError, match="read-only"):
+            sim.state.u[:] = 1.0
         states = list(sim.every(0.25))
         with pytest.raises(TisphError, match="there is no further step"):
             sim.step()

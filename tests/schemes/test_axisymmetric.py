@@ -97,7 +97,7 @@ def test_operators_are_exact_for_even_polynomials_near_the_axis(make):
 def test_only_a_newtonian_fluid_starts_in_periodic_pipe_flow(make):
     polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.1, solvent_fraction: 0.5}"
     drive = "drive={acceleration: 4.0, amplitude: 36.0, angular_frequency: 36.0}"
-    with pytest.raises(ConfigError, match="initial.state = .*: no periodic flow is built in"):
+    with pytest.raises(ConfigError, match=r"initial\.state = .*: no periodic flow is built in"):
         make(PIPE, polymer, drive, "initial={state: developed}")
 
 

@@ -1,8 +1,8 @@
 """Flow along a pipe, or between two coaxial pipes, and around their axis: started, driven, oscillating, turning.
 
 An acceleration along the axis drives the fluid, constant, oscillating or both; walls move along the axis and turn
-around it at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the axis. In a
-Newtonian fluid the flows along and around the axis add up; other fluids have only one of the two. See
+around it at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the
+axis. In a Newtonian fluid the flows along and around the axis add up; other fluids have only one of the two. See
 ``tisph/exact/start_up.py`` for the reference.
 """
 

@@ -245,7 +245,7 @@ def test_times_that_are_over_and_intervals_of_zero_are_refused():
                 next(simulation.every(interval))
 
 
-def test_a_wall_changed_in_a_run_has_its_reference_and_is_resumed_bitwise(tmp_path):
+def test_a_changed_wall_has_its_reference_and_is_resumed_bitwise(tmp_path):
     """The reference includes the change; a run that has the schedule from the start has errors as small."""
     with tisph.Simulation(CASE) as sim:
         sim.results(tmp_path / "run")

@@ -198,7 +198,7 @@ class Simulation:
         return self._state_at(time)
 
     def every(self, interval: float) -> Iterator[State]:
-        """Step to the end, and yield the states at multiples of ``interval`` on the run's clock; ConfigError if <= 0."""
+        """Step to the end, and yield states at multiples of ``interval`` on the run's clock; ConfigError if <= 0."""
         schedule = every(time=interval)
         schedule.begin(self.scene.start_time, self.time, self.steps)
         while not self.finished:
@@ -221,8 +221,7 @@ class Simulation:
         """Write the files of ``tisph run`` into ``folder``; ``tisph.open`` reads them.
 
         Call it before the first step; after ``restore``, with the folder that has the record up to then. The folder is
-        complete once the run has finished or diverged, or was closed; a closed run can be continued as after Ctrl-C.
-        ``overwrite`` as for ``tisph.run``.
+        complete once the run has ended or was closed. ``overwrite`` as for ``tisph.run``.
         """
         self._open_scheme()
         if self.functions:

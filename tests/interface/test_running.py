@@ -1,5 +1,6 @@
 """Runs from Python: the same bits, files and messages as on the command line, in a process of their own."""
 
+import copy
 import json
 import os
 import signal
@@ -106,8 +107,34 @@ def test_summary_and_samples_are_those_of_the_files(finished):
     assert {"x", "y", "u", "v", "density", "pressure", "u_exact"} <= set(last)
     assert last["u"].shape == (144,)
     assert last.units["u"] == "m/s"
-    with pytest.raises(KeyError, match="speed"):
-        last["speed"]
+    assert np.array_equal(last.u, last["u"])
+
+
+def test_numbers_of_a_sample_are_attributes_and_make_a_dict(finished):
+    sample = finished.summary.samples[-1]
+    assert sample.wall_shear_top == sample["wall_shear_top"]
+    assert dict(sample) == sample.measures
+    assert copy.deepcopy(sample) == sample
+
+
+@pytest.mark.parametrize(
+    ("of", "wrong", "right"),
+    [
+        (lambda run: run.samples[-1], "densty", "density"),
+        (lambda run: run.summary.samples[-1], "wall_shear_tpo", "wall_shear_top"),
+        (lambda run: run.history, "resolvd", "resolved"),
+    ],
+)
+def test_a_wrong_name_is_answered_with_the_nearest(finished, of, wrong, right):
+    with pytest.raises(KeyError, match=f"{wrong}.* nearest: {right}"):
+        of(finished)[wrong]
+
+
+def test_samples_become_one_table_of_pandas(finished):
+    pytest.importorskip("pandas", reason="there is no pandas")
+    table = finished.samples.to_pandas()
+    assert list(table.columns[:4]) == ["t", "particle", "x", "y"]
+    assert np.array_equal(table[table.t == 1.0].u, finished.samples[-1].u)
 
 
 def test_errors_can_be_computed_again_from_arrays_and_the_exact_solution(finished):

@@ -11,6 +11,7 @@ from tisph import runtime, simulation
 from tisph.config.loader import loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.runtime import ti
+from tisph.simulation.simulation import changed
 
 pytestmark = pytest.mark.taichi
 
@@ -60,6 +61,8 @@ def test_states_at_regular_times_end_with_the_bits_of_tisph_run(end_of_run):
     with tisph.Simulation(CASE) as sim:
         assert sim.state.t == 0.0
         assert not sim.state.u.any()
+        with pytest.raises(ValueError, match="read-only"):
+            sim.state.u[:] = 1.0
         states = list(sim.every(0.25))
         with pytest.raises(TisphError, match="there is no further step"):
             sim.step()
@@ -240,3 +243,51 @@ def test_times_that_are_over_and_intervals_of_zero_are_refused():
         for interval in (0.0, -1.0):
             with pytest.raises(ConfigError, match="positive"):
                 next(simulation.every(interval))
+
+
+def test_a_changed_wall_has_its_reference_and_is_resumed_bitwise(tmp_path):
+    """The reference includes the change; a run that has the schedule from the start has errors as small."""
+    with tisph.Simulation(CASE) as sim:
+        sim.results(tmp_path / "run")
+        sim.run_until(0.4)
+        sim.set("walls.top.velocity", -0.25)
+        begun = sim.time
+        state = sim.run_until(0.7)
+        sim.save(tmp_path / "checkpoint.h5")
+        end = sim.run_until(1.0)
+    assert state.u.min() < -0.05  # beside the wall, which moves back
+    with tisph.Simulation.restore(tmp_path / "checkpoint.h5") as again:
+        assert np.array_equal(again.run_until(1.0).u, end.u)
+    run = tisph.open(tmp_path / "run")
+    assert (run.config.walls.top.times, run.config.walls.top.velocities) == ((0.0, begun, begun), (0.5, 0.5, -0.25))
+    assert run.summary.status == "done"
+    assert [sample.t for sample in run.samples] == [0.4, 1.0]
+    assert np.array_equal(run.samples[-1].u, end.u)
+    assert len(run.history) == 401
+    with tisph.Simulation(CASE, **{"walls.top": run.config.walls.top.model_dump(exclude_none=True)}) as scheduled:
+        assert end.l2 < 1.5 * scheduled.run_until(1.0).l2  # other steps
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("walls.top.velocty", "must be one of walls.bottom.velocity, walls.top.velocity; nearest: walls.top.velocity"),
+        ("fluid.density", "fluid.density cannot be changed in a run; must be one of walls.bottom.velocity"),
+    ],
+)
+def test_other_keys_cannot_be_changed_in_a_run(key, words):
+    with tisph.Simulation(CASE) as sim:
+        sim.step()
+        with pytest.raises(ConfigError, match=words.replace(".", r"\.")):
+            sim.set(key, 1.0)
+        assert sim.config.walls.top.velocities is None
+
+
+def test_a_repeated_change_keeps_the_earlier_ones():
+    once = changed(loaded(CASE, {}), "walls.top.velocity", 1.0, 0.2)
+    twice = changed(once, "walls.top.velocity", 2.0, 0.4)
+    assert twice.walls.top.times == (0.0, 0.2, 0.2, 0.4, 0.4)
+    assert twice.walls.top.velocities == (0.5, 0.5, 1.0, 1.0, 2.0)
+    plate = loaded({**CASE, "walls": {"top": {"shear_stress": 1.0, "mass_per_area": 2.0}}}, {})
+    top = changed(plate, "walls.top.shear_stress", 3.0, 0.2).walls.top
+    assert (top.times, top.stresses, top.mass_per_area) == ((0.0, 0.2), (1.0, 3.0), 2.0)

@@ -160,7 +160,7 @@ def _couette(scene: Any, table: Table, last: Any) -> Reading:
 
 def _capillary(scene: Any, table: Table, last: Any) -> Reading:
     moving = any(body.motion.x.largest_speed or body.spin.largest_speed for body in scene.bodies)
-    if scene.inner_radius or scene.drive.oscillates or moving or not scene.drive.largest_speed:
+    if scene.inner_radius or scene.pulsation or moving or not scene.acceleration:
         raise ConfigError("a capillary is one pipe at rest with a constant acceleration")
     radius = scene.outer_radius
     stress = table["force_outer"] / (2.0 * np.pi * radius * scene.length)

@@ -165,8 +165,7 @@ class EverySteps:
 def every(*, time: float | None = None, steps: int | None = None) -> Schedule:
     """Return a schedule with something due every ``time`` of the run's clock, or every ``steps`` steps.
 
-    ``time`` is in the unit of the config and counts from the start of the run, where nothing is due yet. One of the
-    two must be given, and be positive; else ConfigError.
+    ``time`` is in the unit of the config, from the start of the run. ConfigError unless one is given, and positive.
     """
     given = [each for each in (time, steps) if each is not None]
     if len(given) != 1 or not 0 < given[0] < math.inf or (steps is not None and steps != int(steps)):

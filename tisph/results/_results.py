@@ -3,7 +3,7 @@
 The keys of ``summary.json`` mean the same as in ``docs/reference/files.md``.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, KeysView, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from os import PathLike
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 import h5py
 import numpy as np
 
+from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.folder import Folder, readable
 from tisph.observers.history import read_history, read_resolved, read_rows
@@ -25,12 +26,30 @@ Value = float | int | bool | str | None
 T = TypeVar("T")
 
 
+def unknown(name: object, names: Iterable[str]) -> KeyError:
+    """Return the error for a ``name`` that is none of the ``names``."""
+    names = list(names)
+    return KeyError(f"{name!r}; there are {', '.join(names)}{nearest(name, names)}")
+
+
+class ByName:
+    """Base of mappings whose values are attributes, too: ``sample["NAME"]`` is ``sample.NAME``."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # of Python itself, such as copy and pickle
+            raise AttributeError(name)
+        try:
+            return self[name]  # type: ignore[index]
+        except KeyError as error:
+            raise AttributeError(f"{type(self).__name__} has no {error.args[0]}") from None
+
+
 @dataclass(frozen=True)
-class SampleErrors:
-    """One sample at time ``t``; ``sample["NAME"]`` is any of its numbers, including the measures of its scene.
+class SampleErrors(ByName):
+    """One sample at time ``t``; ``sample["NAME"]`` or ``sample.NAME`` is any of its numbers, also the scene's measures.
 
     ``l2`` is relative, ``rms`` and ``linf`` are over the reference velocity, ``t_star`` is ``t`` over the time scale.
-    ``measures`` has all numbers by name, in the units of the config.
+    ``measures`` has all numbers by name, in the units of the config, as has ``dict(sample)``.
     """
 
     t: float
@@ -43,7 +62,13 @@ class SampleErrors:
     linf: float | None
     measures: Mapping[str, Value] = field(repr=False)
 
+    def keys(self) -> KeysView[str]:
+        """Return the names of all numbers."""
+        return self.measures.keys()
+
     def __getitem__(self, name: str) -> Value:
+        if name not in self.measures:
+            raise unknown(name, self.measures)
         return self.measures[name]
 
 
@@ -127,7 +152,7 @@ if TYPE_CHECKING:
     from tisph.scenes._scene import Scene
 
 
-class Arrays(Mapping[str, np.ndarray]):
+class Arrays(ByName, Mapping[str, np.ndarray]):
     """The arrays in a ``group`` of an HDF5 file by name, each read when it is used."""
 
     def __init__(self, path: Path, group: str = "/"):
@@ -135,7 +160,7 @@ class Arrays(Mapping[str, np.ndarray]):
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.units:
-            raise KeyError(f"{name!r}; there are {', '.join(self.units)}")
+            raise unknown(name, self.units)
         with readable(self._path), h5py.File(self._path, "r") as file:
             return np.asarray(file[self._group][name])
 
@@ -173,12 +198,36 @@ class Sample(Arrays):
     def __repr__(self) -> str:
         return f"<Sample t={self.t:g}: {', '.join(self)}>"
 
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return every array of the particles by its name, positions first."""
+        names = [name for name in self if "/" not in name]
+        return {name: self[name] for name in sorted(names, key=lambda name: (name not in ("x", "y"), name))}
+
+
+class Samples(list[Sample]):
+    """The samples of a run in the order of time."""
+
+    def to_pandas(self) -> Any:
+        """Return a ``pandas.DataFrame`` with a row a particle and sample, as in the exported CSV: t, particle, x, ...
+
+        ImportError where there is no pandas.
+        """
+        import pandas  # not needed otherwise
+
+        frames = [pandas.DataFrame({"t": each.t, "particle": range(len(each["x"])), **each.columns()}) for each in self]
+        return pandas.concat(frames, ignore_index=True) if frames else pandas.DataFrame()
+
 
 class History(np.recarray):
     """A row a time: ``history.t``, and by their names in the file ``history["u(y=0.5)"]`` and so on.
 
     Numbers are in the units of the config; a missing number is NaN.
     """
+
+    def __getitem__(self, which: Any) -> Any:
+        if isinstance(which, str) and which not in (names := self.dtype.names or ()):
+            raise unknown(which, names)
+        return super().__getitem__(which)
 
     def to_pandas(self) -> Any:
         """Return a ``pandas.DataFrame``, a column a name; ImportError where there is no pandas."""
@@ -259,14 +308,15 @@ class Results:
             return typed(self._files.read_summary(), self.folder.name)
 
     @cached_property
-    def samples(self) -> list[Sample]:
+    def samples(self) -> Samples:
         """The particles at each sample time, in the order of time: ``samples[-1]["u"]`` is an array (particles,)."""
         path = self._files.samples
         if not path.is_file():
-            return []
+            return Samples()
         with readable(path), h5py.File(path, "r") as file:
             groups = sorted(file.values(), key=lambda group: group.attrs["t"])
-            return [Sample(path, group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups]
+            found = [(group.name, float(group.attrs["t"]), int(group.attrs["step"])) for group in groups]
+        return Samples(Sample(path, *each) for each in found)
 
     @cached_property
     def history(self) -> History:

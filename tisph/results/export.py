@@ -21,16 +21,9 @@ from tisph.observers.vtk import append, append_bodies, beside, fields, has_outli
 
 if TYPE_CHECKING:
     from tisph.results import Results
-    from tisph.results._results import Sample
 
 SPECIES = "X"
 """The name of an element in extended XYZ, where there is no atom."""
-
-
-def columns(sample: "Sample") -> dict[str, np.ndarray]:
-    """Return every array of the particles by its name, positions first."""
-    names = [name for name in sample if "/" not in name]
-    return {name: sample[name] for name in sorted(names, key=lambda name: (name not in ("x", "y"), name))}
 
 
 def write_csv(path: Path, run: "Results") -> None:
@@ -38,7 +31,7 @@ def write_csv(path: Path, run: "Results") -> None:
     time = run.config.units.time
     with path.open("w", encoding="utf-8", newline="\n") as file:
         for index, sample in enumerate(run.samples):
-            found = columns(sample)
+            found = sample.columns()
             if index == 0:
                 units = {"t": time, "particle": "", **{name: sample.units[name] for name in found}}
                 file.write(f"# {run.summary.name}: particles at the samples of a run of tisph\n")
@@ -74,7 +67,7 @@ def write_npz(path: Path, run: "Results") -> None:
     """Write them, and as texts ``units`` (JSON, by name) and ``config`` (YAML)."""
     samples = run.samples
     units = {"t": run.config.units.time, **{name: unit for name, unit in samples[0].units.items() if "/" not in name}}
-    found = [columns(sample) for sample in samples]
+    found = [sample.columns() for sample in samples]
     arrays: dict[str, Any] = {
         "t": np.array([sample.t for sample in samples]),
         "step": np.array([sample.step for sample in samples]),

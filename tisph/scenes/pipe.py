@@ -1,8 +1,8 @@
 """Pipe flow: along a pipe, or between two coaxial pipes, and around their axis; started, driven, oscillating, turning.
 
-An acceleration along the axis drives the fluid, constant or oscillating; walls move along the axis and turn around it
-at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the axis. In a
-Newtonian fluid the flows along and around the axis add up; other fluids have only one of the two. See
+An acceleration along the axis drives the fluid, constant, oscillating or both; walls move along the axis and turn
+around it at constant speeds. Motion starts, or changes, at t = 0. The flow does not depend on the place along the
+axis. In a Newtonian fluid the flows along and around the axis add up; other fluids have only one of the two. See
 ``tisph/exact/start_up.py`` for the reference.
 """
 
@@ -62,14 +62,13 @@ class Walls(Model):
 
 
 class Drive(Oscillation):
-    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, or oscillating.
+    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, oscillating, or the sum of both.
 
-    ``acceleration``; or ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
+    ``acceleration`` + ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
     """
 
     speed_key = "acceleration"
-    exclusive_keys = ("acceleration", "amplitude")
-    unset_keys = ("angular_frequency", "phase")
+    unset_keys = ("acceleration", "amplitude", "angular_frequency", "phase")
 
     acceleration: Signed | None = None
     amplitude: Amplitude | None = None
@@ -122,13 +121,20 @@ class Config(_axisymmetric.Config):
             yield from still_problem(self, "drive", "give an acceleration, or let a wall move")
         if along and around and self.fluid.rheology.type != "newtonian":
             yield "fluid.rheology.type", "must be newtonian where fluid flows both along the axis and around it"
+        if self.drive.amplitude and self.initial.state == "developed" and self.fluid.rheology.type != "newtonian":
+            text = f"no periodic flow is built in for {self.fluid.rheology.type} fluids"
+            yield "initial.state", f"{text}: take rest, or a drive without amplitude"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(AxisymmetricScene):
-    """A pipe with the ``drive`` g(t); ``initial_state`` is ``rest``, ``developed`` or ``exact``."""
+    """A pipe under ``acceleration`` + ``pulsation``(t) along the axis, the latter None without an oscillating part.
 
-    drive: WallMotion
+    ``initial_state`` is ``rest``, ``developed`` or ``exact``.
+    """
+
+    acceleration: float
+    pulsation: WallMotion | None
     initial_state: str
 
     @property
@@ -151,37 +157,35 @@ class Scene(AxisymmetricScene):
             outer_radius=radii[1],
             names=tuple(given),
             bodies=tuple(_wall(name, wall, radii, length) for name, wall in given.items()),
-            drive=WallMotion.from_config(config.drive),
+            acceleration=config.drive.acceleration or 0.0,
+            pulsation=WallMotion.from_config(config.drive) if config.drive.amplitude else None,
             initial_state=config.initial.state,
             start_time=config.start_time,
         )
 
     @property
-    def acceleration(self) -> float:
-        """Constant body acceleration along the axis."""
-        return 0.0 if self.drive.oscillates else self.drive.cosine
-
-    @property
     def body_force(self) -> Callable | None:
-        """Function of places and a time that returns the acceleration of an oscillating drive; None without one."""
-        return self._oscillating if self.drive.oscillates else None
+        """Function of places and a time that returns the oscillating part of the acceleration; None without one."""
+        return self._oscillating if self.pulsation else None
 
     def _oscillating(self, x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
-        return self.drive.velocity(t) + np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
+        assert self.pulsation is not None
+        return self.pulsation.velocity(t) + np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
 
     @property
     def velocity_scale(self) -> float:
         """Speed of the fastest wall, or the largest velocity that the drive may cause in a Newtonian fluid."""
-        width, strength = self.reference_length, self.drive.largest_speed
-        driven = strength * width**2 / (self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0))
-        if self.drive.oscillates:
-            driven = min(driven, strength / self.drive.angular_frequency)
+        square, viscosity = self.reference_length**2, self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0)
+        driven = abs(self.acceleration) * square / viscosity
+        if self.pulsation:
+            strength = self.pulsation.amplitude
+            driven += min(strength * square / viscosity, strength / self.pulsation.angular_frequency)
         return max(super().velocity_scale, driven)
 
     @property
     def vanishing_scale(self) -> bool:
-        """Whether the drive oscillates."""
-        return self.drive.oscillates
+        """Whether the drive has an oscillating part."""
+        return self.pulsation is not None
 
     @property
     def flow_quantities(self) -> tuple[str, ...]:
@@ -193,8 +197,8 @@ class Scene(AxisymmetricScene):
         layers = []
         if self.initial_state != "developed":
             layers.append((self.layer_depth(t), "the layer at the wall"))
-        if self.drive.oscillates:
-            moved = 0.5 * self.drive.penetration_depth(self.kinematic_viscosity)
+        if self.pulsation:
+            moved = 0.5 * self.pulsation.penetration_depth(self.kinematic_viscosity)
             layers.append((moved, "the layer at the wall of a flow that oscillates"))
         return min(layers, default=(math.inf, ""))
 
@@ -205,7 +209,8 @@ class Scene(AxisymmetricScene):
         axial, turning = (inner.motion.x, outer.motion.x), (inner.spin, outer.spin)
         developed = self.initial_state == "developed"
         fluid = self.rheology, self.kinematic_viscosity, self.density
-        return _solved(*fluid, (self.inner_radius, self.outer_radius), axial, turning, self.drive, developed)
+        drive = self.acceleration, self.pulsation
+        return _solved(*fluid, (self.inner_radius, self.outer_radius), axial, turning, drive, developed)
 
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
         """Return the exact value of one of ``fields``; the pressure, at one time, has zero mean."""
@@ -307,7 +312,7 @@ class Scene(AxisymmetricScene):
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
             exact_columns=[f"{name}_exact" for name in columns],
             exact=exact,
-            angular_frequency=self.drive.angular_frequency,
+            angular_frequency=self.pulsation.angular_frequency if self.pulsation else 0.0,
         )
 
 
@@ -325,7 +330,7 @@ def _solved(
     radii: tuple[float, float],
     axial: tuple[Any, Any],
     turning: tuple[Any, Any],
-    drive: WallMotion,
+    drive: tuple[float, WallMotion | None],
     developed: bool,
 ) -> tuple[PipeStartUp | None, CircularStartUp | None]:
     """Return the flows along and around the axis, each None where nothing moves that way."""
@@ -333,7 +338,8 @@ def _solved(
     along = around = None
     if any(wall.largest_speed for wall in turning):
         around = CircularStartUp(radii[0], radii[1], fluid, turning[0], turning[1], turning if developed else None)
-    if not around or drive.largest_speed or any(wall.largest_speed for wall in axial):
-        given: dict[str, Any] = {"pulsation": drive} if drive.oscillates else {"acceleration": drive.cosine}
-        along = PipeStartUp(radii, fluid, axial, axial if developed else None, **given)
+    acceleration, pulsation = drive
+    if not around or acceleration or pulsation or any(wall.largest_speed for wall in axial):
+        before = axial if developed else None
+        along = PipeStartUp(radii, fluid, axial, before, acceleration=acceleration, pulsation=pulsation)
     return along, around

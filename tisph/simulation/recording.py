@@ -48,6 +48,7 @@ class Recording:
 
     It adds its observers to the simulation, which calls ``finish`` or ``fail`` at the end of the run. ``interrupts``
     counts the signals that end the run; they are delayed while the present state of the run is not written.
+    ``added``: the observers that it has added.
     """
 
     def __init__(
@@ -112,9 +113,9 @@ class Recording:
             times = even_times(scene.start_time, end, output.video.frames)
             more = {field for name in colours(settings) for field in scene.movie_fields(name)}
             self.observers.append(Frames(folder.frames, self.movie, times, resumed_at, more))
-        self.simulation.observe(*self.observers)
-        if output.checkpoint_every:
-            self.simulation.observe(Checkpoints(output.checkpoint_every, self.save))
+        every = [Checkpoints(output.checkpoint_every, self.save)] if output.checkpoint_every else []
+        self.added = [*self.observers, *every]
+        self.simulation.observe(*self.added)
 
     def save(self) -> None:
         """Write the checkpoint, and all earlier output, which a resumed run needs."""

@@ -6,14 +6,17 @@ from contextlib import contextmanager
 from copy import copy
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import new_class
 from typing import Any, TypeAlias, cast
 
 import numpy as np
 
 from tisph import runtime, scenes, schemes
+from tisph.config.fields import nearest
 from tisph.config.loader import Asked, loaded
 from tisph.errors import ConfigError, DivergedError, TisphError
+from tisph.geometry import motion
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Observer, Schedule, every
 from tisph.observers.samples import Description
@@ -44,9 +47,8 @@ class Simulation:
     functions alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an
     initial velocity in two-dimensional flow; a warning says so where that changes it.
 
-    Its steps equal the steps of ``tisph run`` bitwise, whatever is read in between. Ctrl-C takes effect after the
-    present step, and the simulation can continue from there. A process can have one open simulation; ``close`` ends it,
-    as does a ``with`` block. DivergedError where a state is not sound.
+    Its steps equal the steps of ``tisph run`` bitwise. After Ctrl-C, which takes effect after the present step, it can
+    continue. ``close`` or ``with`` ends it; a process can have one. DivergedError where a state is not sound.
     """
 
     def __init__(
@@ -85,6 +87,7 @@ class Simulation:
 
     def _set_up(self, config: Any, restored_from: Path | None, *functions: Any) -> None:
         self.config = config
+        self._functions = functions
         self.resolved, self.reason = schemes.resolve(config)
         self.scene = with_functions(scenes.of(config), self.resolved.scheme.type, *functions)
         self.functions = any(function is not None for function in functions)
@@ -195,11 +198,7 @@ class Simulation:
         return self._state_at(time)
 
     def every(self, interval: float) -> Iterator[State]:
-        """Step to the end of the run, and yield the states at the multiples of ``interval`` on the way.
-
-        Multiples count from the start of the run's clock, and start after the present time. ConfigError unless the
-        interval is positive.
-        """
+        """Step to the end, and yield states at multiples of ``interval`` on the run's clock; ConfigError if <= 0."""
         schedule = every(time=interval)
         schedule.begin(self.scene.start_time, self.time, self.steps)
         while not self.finished:
@@ -221,9 +220,8 @@ class Simulation:
     def results(self, folder: "str | PathLike[str]", *, overwrite: bool = False, video: bool = True) -> None:
         """Write the files of ``tisph run`` into ``folder``; ``tisph.open`` reads them.
 
-        Call it before the first step, as the record begins with the start of the run; after ``restore``, with the
-        folder in which the run has been recorded up to then. The folder is complete once the run has finished or
-        diverged, or was closed; a closed run can be continued as after Ctrl-C. ``overwrite`` as for ``tisph.run``.
+        Call it before the first step; after ``restore``, with the folder that has the record up to then. The folder is
+        complete once the run has ended or was closed. ``overwrite`` as for ``tisph.run``.
         """
         self._open_scheme()
         if self.functions:
@@ -231,6 +229,37 @@ class Simulation:
         if self.recording or (self.steps > self.first_step):
             raise TisphError("results: is to be called once, before the first step, as results begin with the start")
         self.recording = Recording.of(self, Path(folder), overwrite=overwrite, video=video)
+
+    def set(self, key: str, value: float) -> None:
+        """Change the velocity of a wall, or its angular velocity or stress, from ``time`` on: it jumps to ``value``.
+
+        ``key`` is such as ``walls.top.velocity``. The ``config``, the reference solution, checkpoints and the folder of
+        ``results`` include the change. ConfigError for another key, and where the flow takes no such wall.
+        """
+        self.begin()
+        scheme, recording = self._open_scheme(), self.recording
+        if self.finished or not self.steps:
+            raise ConfigError(f"set: {key} can be changed after the first step and before the end of the run")
+        config = changed(self.config, key, value, self.time)
+        own = [each for each in self.observers if each not in (self.guard, *(recording.added if recording else ()))]
+        # the new config has the wall's values at ``times``; the run goes on from a checkpoint, as after Ctrl-C
+        callbacks, costs, first_step = self.callbacks, self.costs, self.first_step
+        if recording:
+            recording.finish("interrupted")
+        with TemporaryDirectory() as folder:
+            checkpoint.save(path := Path(folder) / "checkpoint.h5", scheme, config.resolved_yaml())
+            self.release()
+            self._set_up(config, path, *self._functions)
+        self.costs, self.first_step, self._begun = costs, first_step, True
+        self.observers += own
+        self.callbacks = callbacks
+        for callback in callbacks:
+            callback.scene = self.scene
+        if recording:
+            root, video = recording.folder.root, recording.movie is not None
+            self.recording = Recording.of(self, root, overwrite=False, video=video)
+            self.recording.save()  # the one in the folder has the old config
+        log.info("%s = %r from t = %r on", key, value, self.time)
 
     def observe(self, *observers: Observer) -> None:
         """Add ``observers`` (``observers/protocol.py``), to be called after the present ones."""
@@ -325,6 +354,41 @@ class Simulation:
             if self.recording:
                 self.recording.fail(error)
             raise
+
+
+VALUES_AT_TIMES = {"velocity": "velocities", "angular_velocity": "angular_velocities", "shear_stress": "stresses"}
+"""Key of a constant value of a wall -> key of its values at ``times``."""
+
+
+def changed(config: Any, key: str, value: float, time: float) -> Any:
+    """Return ``config`` with a wall whose value under the dotted ``key`` jumps to ``value`` at ``time``.
+
+    ConfigError where the value cannot be changed in a run, and where the scene refuses the config.
+    """
+    walls = getattr(config, "walls", None)
+    keys = {
+        f"walls.{side}.{name}": (wall, name, many)
+        for side, wall in (vars(walls).items() if walls else ())
+        for name, many in VALUES_AT_TIMES.items()
+        if hasattr(wall, many) and (getattr(wall, name) is not None or getattr(wall, many) is not None)
+    }
+    if key not in keys:
+        found = f"must be one of {', '.join(keys)}{nearest(key, keys)}" if keys else "nothing of this flow can be"
+        raise ConfigError(f"set: {key} cannot be changed in a run; {found}")
+    wall, name, many = keys[key]
+    times, values = wall.times or (0.0,), getattr(wall, many) or (getattr(wall, name),)
+    if many == "stresses":  # each from its time on
+        ends = [value]
+        past = [(0.0, 0.0)]
+    else:
+        ends = [float(motion.Schedule(times, values).velocity(time)), value]
+        past = [(0.0, values[0])]
+    past = [pair for pair in zip(times, values, strict=True) if pair[0] < time] or past
+    table = [*past, *((time, each) for each in ends)]
+    given = {"times": [when for when, _ in table], many: [each for _, each in table]}
+    if getattr(wall, "mass_per_area", None) is not None:
+        given["mass_per_area"] = wall.mass_per_area
+    return loaded(config, {key.rpartition(".")[0]: given})
 
 
 def with_functions(

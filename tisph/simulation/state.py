@@ -5,7 +5,7 @@ A run may be computed in the frame of the flow, while its states are given in th
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, cast
@@ -153,14 +153,23 @@ class LastStep:
         return self.kept[time]
 
 
+def _read_only(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return read-only views of the arrays among ``values``."""
+    views = {name: value.view() for name, value in values.items() if isinstance(value, np.ndarray)}
+    for each in views.values():
+        each.flags.writeable = False
+    return views
+
+
 class State:
     """The fluid particles at time ``t``, after ``step`` steps: arrays (particles,) in the order of their creation.
 
-    All numbers are in the units of the config. The arrays do not change when the run continues.
+    All numbers are in the units of the config. The arrays are read-only, and do not change when the run continues.
     """
 
     def __init__(self, snapshot: Snapshot, scene: Scene):
-        self.snapshot = snapshot
+        bodies = snapshot.bodies and replace(snapshot.bodies, **_read_only(vars(snapshot.bodies)))
+        self.snapshot = snapshot = replace(snapshot, **_read_only(vars(snapshot)), bodies=bodies)
         self._scene = scene
         self.t: float = snapshot.t
         """Time on the clock of the run."""
@@ -189,7 +198,7 @@ class State:
     @cached_property
     def reference(self) -> dict[str, np.ndarray]:
         """The reference solution at the particles by field (``u``, ``v``, ...); empty where the scene has none."""
-        return with_reference(self._scene, self.snapshot).reference or {}
+        return _read_only(with_reference(self._scene, self.snapshot).reference or {})
 
     @cached_property
     def error(self) -> np.ndarray | None:

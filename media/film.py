@@ -25,7 +25,7 @@ FRAMES = RATE * SECONDS
 SHARED = [f"time.end={END}", f"time.samples=[{END}]", f"output.video.frames={FRAMES + 1}", "output.video.width=640",
           "output.video.height=320"]  # fmt: skip
 ELASTIC = ["fluid.rheology={type: oldroyd_b, relaxation_time: 4.0, solvent_fraction: 0.05}"]
-FLUIDS = {"water-like (Newtonian)": ["fluid.rheology={type: newtonian}"], "elastic (Oldroyd-B)": ELASTIC}
+FLUIDS = {"Newtonian": ["fluid.rheology={type: newtonian}"], "elastic (Oldroyd-B)": ELASTIC}
 DYE = 0.25
 """Where the line of dye is at first, over the length of the channel."""
 

@@ -20,7 +20,7 @@ from tisph.report import style
 from tisph.report.encoder import Encoder
 from tisph.report.labels import error_label
 from tisph.report.layout import arrange
-from tisph.report.movie import FullCut, Movie
+from tisph.report.movie import FullCut, Movie, displayed
 from tisph.report.overlays import Streamlines
 from tisph.simulation.state import start_snapshot, start_values
 
@@ -368,3 +368,20 @@ def test_walls_are_in_either_half_and_bodies_on_the_axis_are_whole():
     assert cut.sides == (1.0, -1.0, 1.0, -1.0)
     assert len(FullCut(start("pipe")[0]).bodies) == 2
     assert len(FullCut(start("sphere_in_tube")[0]).bodies) == 3
+
+
+def test_around_an_inner_cylinder_one_half_is_shown():
+    around, through = start("taylor_vortices")[0], start("pipe")[0]
+    assert displayed(around) is around
+    assert isinstance(displayed(through), FullCut)
+
+
+@pytest.mark.parametrize(("rows", "style"), [(40, "particles"), (41, "field")])
+def test_many_rows_of_a_channel_are_a_field(rows, style):
+    """Gaps between more discs make a moire; a style that the config gives stays."""
+    channel = make_channel(rows=rows)
+    automatic, given = (Drawn(channel, make_video(style=each), "", END) for each in ("auto", "particles"))
+    for drawn in (automatic, given):
+        drawn.render(make_snapshot(channel, 1.0))
+    assert automatic.renderer._fluid.style == style
+    assert given.renderer._fluid.style == "particles"

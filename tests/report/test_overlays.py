@@ -149,6 +149,18 @@ def lines_of(u, v):
     return lines(BOX, Snapshot(0.0, 0, x, y, u(x, y) + nothing, v(x, y) + nothing, nothing, nothing))
 
 
+def test_half_as_strong_a_flow_has_half_as_many_levels():
+    """The step of the stream function stays that of the strongest frame, whichever frame is drawn first."""
+    centre = (np.indices((ACROSS, ACROSS)).reshape(2, -1) + 0.5) / ACROSS
+    wave, nothing = 2 * np.pi * centre, np.zeros(ACROSS**2)
+    u, v = np.sin(wave[0]) * np.cos(wave[1]), -np.cos(wave[0]) * np.sin(wave[1])
+    streams = Streamlines(BOX, arrange(BOX, 640, 320))
+    frames = [streams.measured(Snapshot(0.0, 0, *centre, s * u, s * v, nothing, nothing)) for s in (0.5, 1.0)]
+    levels = [np.arange(frame.ends[0] + 0.5 * streams.step, frame.ends[1], streams.step) for frame in frames]
+    assert [len(each) for each in levels] == [5, 10]
+    assert len(streams.lines(frames[0])) < len(streams.lines(frames[1]))
+
+
 def test_as_much_flows_between_any_two_lines_of_vortices():
     wave = 2 * np.pi
     found = lines_of(

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from report_scene import Drawn, make_video
 
 from tisph.cli.run import result_text
 from tisph.config import load
@@ -189,6 +190,18 @@ def test_pictures_say_where_a_reference_is_from(case):
     source = centre_lines(100)[0].source
     assert [profile.reference for profile in sharp.profiles()] == 2 * [f"{source}, steady"]
     assert [profile.reference for profile in regular.profiles()] == ["steady", "steady"]
+
+
+@pytest.mark.parametrize("growth", [0.0, 0.05])
+def test_a_movie_draws_the_steady_reference_when_the_flow_is_steady(case, growth):
+    scene = Scene.from_config(case())
+    drawn = Drawn(scene, make_video(), "", 20.0)
+    for t in np.linspace(0.0, 20.0, 41):
+        start = snapshot_of(scene, t=t)
+        picture = drawn.render(replace(start, u=(1.0 + growth * (t - 20.0)) * start.y))
+    panel = picture[drawn.layout.profile.inner.slices].astype(int)
+    red = np.count_nonzero(panel[:, :, 0] > panel[:, :, 1] + 60)
+    assert red == 0 if growth else red > 100
 
 
 def test_the_legend_of_profiles_has_it(case):

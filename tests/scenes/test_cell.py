@@ -236,6 +236,15 @@ def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
     assert found["steady_reason"] == "the history has too few times"
 
 
+def test_a_movie_shows_the_distance_of_two_free_bodies(tmp_path):
+    """Through the periodic side: they are 0.4 apart there, 1.1 in the box."""
+    free = [f"{{centre: [{x}, 0.5], radius: 0.125, motion: free}}" for x in (0.2, 1.3)]
+    scene = scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{', '.join(free)}]"))
+    series = scene.movie_series()
+    assert series.measure(SimpleNamespace(bodies=Bodies.at(0.0, scene.bodies))) == pytest.approx([0.4])
+    assert (series.levels, series.level_name) == ([0.25], "in contact")
+
+
 def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
     """At any time, in samples and pictures, be the layers as deep as they may."""
     wide, tight, small = (

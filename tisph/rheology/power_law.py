@@ -21,7 +21,7 @@ class Parameters(_laws.Inelastic):
     """``index``, 0.3 (thins) to 1.5 (thickens); ``reference_rate`` and ``least_rate`` [1/time]."""
 
     type: Literal["power_law"] = "power_law"
-    index: Annotated[float, Field(ge=0.1, le=1.5)]
+    index: Annotated[float, Field(ge=0.3, le=1.5)]
     reference_rate: Positive
     least_rate: Positive
 

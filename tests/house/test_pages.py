@@ -74,7 +74,7 @@ def test_a_picture_with_other_settings_is_named(media, monkeypatch):
 
 def test_the_first_screen_has_what_a_visitor_needs():
     first = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()[:25]
-    assert any("](media/cavity.gif)" in line for line in first)
+    assert any("](media/film.gif)" in line for line in first)
     assert sum(line.startswith("* **") for line in first) == 3
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 130
 

@@ -35,6 +35,7 @@ COMMANDS = {
     "run": (["run", f"{NAME}.yaml"], 2),  # its folder is there
     "check": (["check", f"{NAME}.yaml", "--set", "units.length=łm"], 2),
     "list": (["list", NAME], 2),
+    "keys": (["keys", NAME], 2),
     "verify": (["verify", NAME], 2),
     "bench": (["bench", NAME], 2),
     "stability": (["stability", f"--{NAME}"], 2),

@@ -78,7 +78,10 @@ def boxes_of(channel, layout, color_by):
     with style.plot_style():
         figure = build_figure(channel, layout, "a-name-of-64-characters" * 3, shown(color_by, channel, END), panel)
         figure.draw_without_rendering()
-        boxes = [(text.get_text(), text.get_window_extent()) for text in visible_texts(figure)]
+        texts = visible_texts(figure)
+        boxes = [(text.get_text(), text.get_window_extent()) for text in texts]
+    if channel.units.length == SHORT_UNITS.length:
+        assert min(text.get_fontsize() for text in texts) >= 12 * layout.scale  # the least that can be read
     places = {"time": layout.time_label, "error": layout.error_label}
     names = ("top wall", "bottom wall")
     for name, motion, label in zip(names, (channel.top, channel.bottom), wall_labels(channel, layout), strict=True):

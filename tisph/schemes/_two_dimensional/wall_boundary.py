@@ -46,11 +46,13 @@ LOAD_LEVELS = 3
 """Levels of forces, torques and normal stresses, for values within a step."""
 
 
-def scatter(times: np.ndarray, forces: np.ndarray) -> tuple[float, int] | None:
-    """Return the largest scatter of a body's force, relative to its size, and the number of that body; None if unknown.
+def scatter(times: np.ndarray, forces: np.ndarray, turning: np.ndarray) -> tuple[float, int] | None:
+    """Return the largest scatter of a body's force, relative to its load, and the number of that body; None if unknown.
 
-    ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2). It is the root mean square over the steps of the
-    difference from the cubic, without the scatter of the forces on the cubic, over the largest root mean square force.
+    ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2), ``turning`` (steps, bodies): torques over the
+    radii of the bodies, which are the load where the force is 0 by symmetry. The scatter is the root mean square over
+    the steps of the difference from the cubic, without the scatter of the forces on the cubic, over the largest root
+    mean square force, or torque over radius.
     """
     if len(times) <= len(CUBIC_NEIGHBOURS):
         return None
@@ -60,7 +62,8 @@ def scatter(times: np.ndarray, forces: np.ndarray) -> tuple[float, int] | None:
         weights = np.array([math.prod(b / (b - a) for b in others if b != a) for a in others])
         cubic = np.einsum("s,sbi->bi", weights, forces[[middle + offset for offset in CUBIC_NEIGHBOURS]])
         squares = squares + ((forces[middle] - cubic) ** 2).sum(axis=1) / (1.0 + weights @ weights)
-    size = np.sqrt((forces[middles] ** 2).sum(axis=2).mean(axis=0).max())
+    squared_loads = (forces[middles] ** 2).sum(axis=2), turning[middles] ** 2
+    size = np.sqrt(max(each.mean(axis=0).max() for each in squared_loads))
     worst = int(np.argmax(squares))
     return (math.sqrt(squares[worst] / len(middles)) / size, worst) if size > 0.0 else None
 
@@ -129,8 +132,9 @@ class WallLoads:
         closed = [number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0]
         if not closed:
             return None
-        forces = np.array([loads[0][closed, :2] for loads in self.loads[: len(self.times)]])
-        found = scatter(np.array(self.times), forces)
+        loads = np.array([each[0][closed] for each in self.loads[: len(self.times)]])
+        radii = np.sqrt([abs(self.walls.bodies[number].shape.area) / math.pi for number in closed])
+        found = scatter(np.array(self.times), loads[:, :, :2], loads[:, :, 2] / radii)
         return found and (found[0], closed[found[1]])
 
 

@@ -281,12 +281,12 @@ def panel(folder, part):
     """Return the flow without labels and curves, at a part of the movie of a run, as JPEG on a tile of ``TILE``."""
     from tisph.config import load
     from tisph.report.layout import arrange
-    from tisph.report.movie import FullCut
+    from tisph.report.movie import displayed
     from tisph.scenes import of
 
     (frame,) = stills(folder / "movie.mp4", [part])
     scene = of(load(folder / "config.resolved.yaml"))
-    layout = arrange(FullCut(scene) if scene.axisymmetric else scene, *frame.size)
+    layout = arrange(displayed(scene), *frame.size)
     box, wall = layout.box, layout.wall_thickness
     flow = frame.crop((box.left, box.top - wall, box.right, box.bottom + wall))
     tile, content = Image.new("RGB", TILE, "white"), io.BytesIO()

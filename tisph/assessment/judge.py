@@ -25,6 +25,9 @@ NUMBERS, PICTURE = "comparison.json", "comparison.png"
 
 ERRORS = {"l2": "L2 error", "rms": "rms error / U", "linf": "largest error / U"}
 
+STEADY_TIMES = 101
+"""Times with the same numbers, which make data that are compared with a steady reference a steady flow."""
+
 BLIND = (
     "Slope and intercept are those of a straight line through the probes. They are blind to every error that is\n"
     "symmetric about mid-gap, so they can verify nothing by themselves: read L2, centreline and wall shear."
@@ -64,9 +67,9 @@ class Sample:
 
     @property
     def error(self) -> float | None:
-        """L2 error, or the root mean square error over U where the flow has no scale for the L2 error."""
+        """L2 error; without a scale for it the root mean square error over U, or the largest error over U."""
         name = "rms" if self.scene.vanishing_scale or self.numbers["l2"] is None else "l2"
-        return self.numbers[name]
+        return self.location["largest_error"] if self.numbers[name] is None else self.numbers[name]
 
 
 @dataclass(frozen=True)
@@ -86,13 +89,15 @@ class Judgement:
 def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
     """Compare the files ``paths`` with the reference of a ``config``; ConfigError where that is not possible."""
     scene = scenes.of(config)
-    if not {"u", "v"} & set(scene.fields):
+    if not {"u", "v"} & set(scene.fields) and not _steady(scene):
         raise ConfigError(f"{config.name}: scene {config.scene} has no reference to compare with")
     samples = [_sample(*each, scene, question, config) for each in _frames(paths, question, scene)]
     samples.sort(key=lambda each: (-each.scene.spacing, each.numbers["t"]))
     by_resolution: dict[int, list[Sample]] = {}
     for each in samples:
         by_resolution.setdefault(each.across, []).append(each)
+    if _steady(scene):
+        return Judgement(samples, [], {}, {})
     trends = [trend([(each.numbers["t"], each.numbers["rms"]) for each in own]) for own in by_resolution.values()]
     orders = {}
     for t in sorted({each.numbers["t"] for each in samples}):
@@ -100,6 +105,11 @@ def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
         if len(errors) > 1 and all(errors.values()):
             orders[t] = fitted_order(errors.keys(), [error for error in errors.values() if error])
     return Judgement(samples, [text for text in trends if text], orders, _diagnoses(by_resolution))
+
+
+def _steady(scene: Any) -> bool:
+    """Return whether the reference of the scene is one of its steady state alone."""
+    return any(profile.steady for profile in scene.profiles())
 
 
 def _diagnoses(by_resolution: dict[int, list[Sample]]) -> dict[str, diagnosis.Diagnosis]:
@@ -166,9 +176,18 @@ def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, 
     else:
         own = aligned.scene.time_series(**config.time_series)
         values = own.measure(aligned.snapshot)
-        series = own.places, values, (np.array([t]), np.asarray(values)[None])
+        times = t * np.linspace(0.0, 1.0, STEADY_TIMES) if _steady(scene) else np.array([t])
+        series = own.places, values, (times, np.tile(values, (len(times), 1)))
     numbers = sample_metrics(aligned.scene, aligned.snapshot, series, errors_alone=series is None)
-    return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
+    if not _steady(scene):
+        return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
+    aligned = aligned.noted("the data are taken for the steady state, of which the reference is")
+    line, largest = numbers.get("centre_line_error"), numbers["linf"]
+    found = [
+        f"at most {error:.1e} U{place}" for error, place in ((line, " on the centre lines"), (largest, "")) if error
+    ]
+    words = found[0] if found else f"unknown: {numbers.get('steady_reason') or 'too few points'}"
+    return Sample(path, aligned, numbers, {"largest_error": line or largest, "words": words})
 
 
 def _aligned(path: Path, frame: Frame, t: float, scene: Any, question: Question) -> alignment.Aligned:

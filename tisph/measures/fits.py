@@ -62,10 +62,15 @@ def _finite(*arrays: np.ndarray) -> bool:
     return all(np.isfinite(array).all() for array in arrays)
 
 
+UNDETERMINED = 1e-13
+"""Eigenvalues of the equations of a fit, over the largest, that count as 0: disordered particles have 4e-11 or more."""
+
+
 def interpolated(scene: Any, positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Interpolate ``values`` (particles, fields) at ``positions`` (particles, 2) to ``points`` (n, 2).
 
     Returns an array (n, fields), NaN where any number is not finite. In parallel flow the values depend on y alone.
+    Rows and columns of a lattice leave terms of the fits undetermined, which are then as small as possible.
     """
     if not _finite(values, positions):
         return np.full((len(points), values.shape[1]), np.nan)
@@ -74,7 +79,12 @@ def interpolated(scene: Any, positions: np.ndarray, values: np.ndarray, points: 
     near = min(near * scene.columns if scene.parallel else near, len(positions))
     tree, _ = periodic_tree(scene, positions, axes)
     points = _wrapped(points[:, axes], _sizes(scene, axes))
-    return np.concatenate([local_fits(tree, part, values, degree, near)[0][:, 0] for part in parts(points)])
+    found = []
+    for part in parts(points):
+        equations, weighted, nearest, _ = _normal_equations(tree, part, degree, near)
+        inverse = np.linalg.pinv(equations, rcond=UNDETERMINED, hermitian=True)
+        found.append((inverse[:, :1] @ (weighted @ values[nearest]))[:, 0])
+    return np.concatenate(found)
 
 
 def parts(points: np.ndarray) -> Iterator[np.ndarray]:

@@ -97,7 +97,10 @@ def test_of_many_bodies_means_are_followed(make):
     velocity = np.stack([np.arange(count), -np.ones(count)], axis=1)
     turning = moved(scene, snapshot, 0.0, velocity=velocity, angular_velocity=(-1.0) ** np.arange(count))
     assert series.measure(turning)[:3].tolist() == [3.0, -1.0, 1.0]
-    assert scene.movie_series().measure(turning).tolist() == [3.0, -1.0]
+    shown = scene.movie_series()
+    assert shown.columns == ["relative_viscosity_walls", "relative_viscosity_bodies"]
+    stresses = scene.mean_stresses(turning)  # the shear rate is 1, the viscosity 0.2
+    assert shown.measure(turning) == pytest.approx([stresses[name] / 0.2 for name in scene.mean_stress_names[:2]])
 
 
 def test_the_picture_shows_places_and_no_forces(make):
@@ -118,10 +121,10 @@ def test_the_picture_shows_places_and_no_forces(make):
 
 
 def test_the_movie_shows_heights_and_no_more_than_fit(make):
-    _, scene, snapshot = make()
+    _, scene, snapshot = make("bodies.1.motion=free")
     series = scene.movie_series()
-    assert (series.name, series.columns) == ("y", ["y_0", "y_2"])
-    assert series.measure(moved(scene, snapshot, 0.0)).tolist() == [0.3, 0.7]
+    assert (series.name, series.columns) == ("y", ["y_0", "y_1", "y_2"])
+    assert series.measure(moved(scene, snapshot, 0.0)).tolist() == [0.3, 0.5, 0.7]
 
 
 def test_a_drifting_body_may_be_in_a_steady_state(tmp_path, make):

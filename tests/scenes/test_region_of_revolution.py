@@ -127,4 +127,4 @@ def test_torques_of_laminar_flow_are_in_sight_and_named():
     panel = TimePanel(scene, arrange(scene, 1280, 640), scene.movie_series(), 100.0, ends=(-0.1, 0.1))
     assert panel.levels == pytest.approx([-scene.laminar_torque, scene.laminar_torque])
     assert panel.range[0] < panel.levels[0] < panel.levels[1] < panel.range[1]
-    assert panel.series.level_name == "steady laminar flow"
+    assert panel.series.level_name == "laminar"

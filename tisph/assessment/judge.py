@@ -93,11 +93,11 @@ def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
         raise ConfigError(f"{config.name}: scene {config.scene} has no reference to compare with")
     samples = [_sample(*each, scene, question, config) for each in _frames(paths, question, scene)]
     samples.sort(key=lambda each: (-each.scene.spacing, each.numbers["t"]))
+    if _steady(scene):
+        return Judgement(samples, [], {}, {})
     by_resolution: dict[int, list[Sample]] = {}
     for each in samples:
         by_resolution.setdefault(each.across, []).append(each)
-    if _steady(scene):
-        return Judgement(samples, [], {}, {})
     trends = [trend([(each.numbers["t"], each.numbers["rms"]) for each in own]) for own in by_resolution.values()]
     orders = {}
     for t in sorted({each.numbers["t"] for each in samples}):
@@ -182,12 +182,11 @@ def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, 
     if not _steady(scene):
         return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))
     aligned = aligned.noted("the data are taken for the steady state, of which the reference is")
-    line, largest = numbers.get("centre_line_error"), numbers["linf"]
-    found = [
-        f"at most {error:.1e} U{place}" for error, place in ((line, " on the centre lines"), (largest, "")) if error
-    ]
-    words = found[0] if found else f"unknown: {numbers.get('steady_reason') or 'too few points'}"
-    return Sample(path, aligned, numbers, {"largest_error": line or largest, "words": words})
+    on_lines = numbers.get("centre_line_error")
+    largest, place = (on_lines, " on the centre lines") if on_lines else (numbers["linf"], "")
+    why_none = f"unknown: {numbers.get('steady_reason') or 'too few points'}"
+    words = f"at most {largest:.1e} U{place}" if largest else why_none
+    return Sample(path, aligned, numbers, {"largest_error": largest, "words": words})
 
 
 def _aligned(path: Path, frame: Frame, t: float, scene: Any, question: Question) -> alignment.Aligned:

@@ -444,6 +444,11 @@ class Cell(BodyScene):
             return ()
         return (STRESS_ON_WALLS,) if self.rheology and not self.polymer else tuple(STRESS_WORDS)
 
+    def _shear_rate(self, t: float) -> float:
+        """Return the mean shear rate between the walls at time ``t``."""
+        speed = {side: float(wall.velocity(t)) for side, wall in self.walls}
+        return (speed["top"] - speed["bottom"]) / self.size[1]
+
     def mean_stresses(self, snapshot: Snapshot) -> dict[str, float]:
         """Return the mean shear stresses [stress]: from the forces on the walls, from the bodies, and by contact.
 
@@ -467,9 +472,8 @@ class Cell(BodyScene):
         drag = {side: bodies.force[self.names.index(f"_{side}"), 0] for side in ("bottom", "top")}
         found = {STRESS_ON_WALLS: 0.5 * (drag["bottom"] - drag["top"]) / width}
         if STRESS_BY_BODIES in names:
-            speed = {side: float(wall.velocity(snapshot.t)) for side, wall in self.walls}
-            rate = (speed["top"] - speed["bottom"]) / height
-            carried = -self.density * (snapshot.u - (speed["bottom"] + rate * snapshot.y)) * snapshot.v
+            rate, bottom = self._shear_rate(snapshot.t), float(dict(self.walls)["bottom"].velocity(snapshot.t))
+            carried = -self.density * (snapshot.u - (bottom + rate * snapshot.y)) * snapshot.v
             if self.polymer:
                 carried = carried + snapshot.stress_xy
             fraction = self.region.area / self.area
@@ -485,7 +489,7 @@ class Cell(BodyScene):
                     force = force if inertia.held[0] else inertia.load[0]
                     torque = torque if inertia.held[2] else inertia.load[2]
                     if not inertia.held[0]:
-                        momentum = inertia.mass[0] * (u - (speed["bottom"] + rate * y)) * v
+                        momentum = inertia.mass[0] * (u - (bottom + rate * y)) * v
                 total += bodies.stresslet[index] + bodies.contact_stresslet[index]
                 total += 0.5 * torque - (y - 0.5 * height) * force - momentum
             found[STRESS_BY_CONTACTS] = bodies.contact_stresslet[: self.count].sum() / self.area
@@ -625,9 +629,8 @@ class Cell(BodyScene):
         names = self.mean_stress_names[:2]
 
         def measure(snapshot: Snapshot) -> np.ndarray:
-            rate = sum(float(wall.velocity(snapshot.t)) * (1 if side == "top" else -1) for side, wall in self.walls)
             stresses = self.mean_stresses(snapshot)
-            viscous = self.dynamic_viscosity * rate / self.size[1] or math.nan
+            viscous = self.dynamic_viscosity * self._shear_rate(snapshot.t) or math.nan
             return np.array([stresses[name] for name in names]) / viscous
 
         return TimeSeries(

@@ -133,7 +133,7 @@ class WallLoads:
         if not closed:
             return None
         loads = np.reshape([each[0][closed] for each in self.loads[: len(self.times)]], (-1, len(closed), 4))
-        radii = np.sqrt([abs(self.walls.bodies[number].shape.area) / math.pi for number in closed])
+        radii = np.sqrt([self.walls.bodies[number].shape.area / math.pi for number in closed])
         found = scatter(np.array(self.times), loads[:, :, :2], loads[:, :, 2] / radii)
         return found and (found[0], closed[found[1]])
 

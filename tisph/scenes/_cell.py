@@ -38,7 +38,8 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free: list[Any] = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
-    if not moving and not pulled and not config.drive.acceleration:
+    streams = getattr(config, "ends", None)
+    if not (moving or pulled or streams or config.drive.acceleration):
         remedy = "give an acceleration, or let a body or a wall move"
         yield from still_problem(config, "drive.acceleration", remedy)
     if config.drive.gravity and not free:

@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
+from tisph.config.ends import Ends
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
@@ -132,25 +133,30 @@ class Config(schema.Config):
 
     geometry: Geometry
     walls: Walls = Walls()
+    ends: Ends | None = None
     drive: Drive = Drive()
     contact: Contact | None = None
     bodies: Bodies = ()
     initial: Initial = Initial()
     probes: Probes = Probes()
 
-    unset_keys = (*schema.Config.unset_keys, "bodies", "contact")
-    periodic = (True, False)
+    unset_keys = (*schema.Config.unset_keys, "bodies", "contact", "ends")
     across_name = "the gap"
+
+    @property
+    def periodic(self) -> tuple[bool, bool]:
+        """Whether the box is periodic in x and y."""
+        return self.ends is None, False
 
     @property
     def parallel(self) -> bool:
         """Whether all flow is along x."""
-        return not self.bodies
+        return not self.bodies and self.ends is None
 
     @property
     def has_exact_velocity(self) -> bool:
         """Whether the exact velocity is known."""
-        return not self.bodies
+        return self.parallel
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -170,16 +176,16 @@ class Config(schema.Config):
     @property
     def members(self) -> dict[str, Model]:
         """Members of every scene, and without bodies the wall treatment, which is for plane walls only."""
-        return super().members if self.bodies else {"walls": self.walls.treatment, **super().members}
+        return {"walls": self.walls.treatment, **super().members} if self.parallel else super().members
 
     @property
     def time_series(self) -> dict[str, Any]:
         """Settings of the probes; none with bodies, where forces are recorded."""
-        return {} if self.bodies else {"count": self.probes.count, "x": self.probes.x}
+        return {} if not self.parallel else {"count": self.probes.count, "x": self.probes.x}
 
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the channel finds in the config."""
-        if self.bodies:
+        if not self.parallel:
             yield from _problems_with_bodies(self)
             return
         if self.drive.gravity:
@@ -211,8 +217,12 @@ class Scene:
     @staticmethod
     def from_config(config: Any) -> Any:
         """Return the scene that a validated config describes."""
-        if not config.bodies:
+        if config.parallel:
             return Channel.from_config(config)
+        if config.ends:
+            from tisph.scenes._stream import Stream
+
+            return Stream.from_config(config)
         from tisph.scenes._cell import Cell, bodies_of, plane_walls, planes
 
         walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)

@@ -12,11 +12,12 @@ contributions cancel: particles that start on a lattice are displaced a little a
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from tisph.runtime import real, scalar, ti, view
+from tisph.runtime import holding, real, scalar, ti, view
 
 DIAMETER = 0.9
 """Of the discs, in particle spacings."""
@@ -136,11 +137,18 @@ class FickianShifting(Shifting):
     ``walls``: how many walls near a particle count, with their tangents in ``planes`` (fluid, walls) as in
     ``WallPoints.nearest_walls``. There the mirror images of its neighbours, and its own, count as well: with points on
     the wall in their place particles would move to it. With ``off_walls`` none stays nearer than ``CLOSEST`` to one.
-    ``across_axis``: flow along the walls goes to the axis, or from it.
+    ``across_axis``: flow along the walls goes to the axis, or from it. ``ends``: places x of open ends, which count as
+    walls: near them particles are not moved towards or away from them.
     """
 
     def __init__(
-        self, points: Any, spacing: float, walls: int = 0, off_walls: bool = False, across_axis: bool = False
+        self,
+        points: Any,
+        spacing: float,
+        walls: int = 0,
+        off_walls: bool = False,
+        across_axis: bool = False,
+        ends: Sequence[float] = (),
     ) -> None:
         super().__init__(points, LARGEST * spacing)
         self.scatter, self.walls, self.off_walls = SCATTER * spacing, walls, off_walls
@@ -149,6 +157,9 @@ class FickianShifting(Shifting):
         if walls:
             self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))
             self.near = scalar(SUPPORT * spacing)
+        self.open, self.per_spacing = len(ends), scalar(1.0 / spacing)
+        self.ends = holding(ti.field(real(), max(1, self.open)), ends)
+        self.ends.used = None
         self.listed = ti.field(ti.i32, (points.capacity, points.row_capacity))
         self.count = ti.field(ti.i32, points.capacity)
         self.listed.used = self.count.used = None
@@ -200,6 +211,9 @@ class FickianShifting(Shifting):
         displacement *= self.strength[None]
         if ti.static(self.off_walls):
             displacement += self.displacement_off_walls(i)
+        for end in ti.static(range(self.open)):
+            away = ti.abs(self.points.position[i].x - self.ends[end]) * self.per_spacing[None]
+            displacement.x *= ti.max(0.0, ti.min(1.0, away - 1.0))
         return displacement
 
     @ti.func

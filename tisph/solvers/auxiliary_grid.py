@@ -184,11 +184,13 @@ class WalledGrid(AuxiliaryGrid):
         super().__init__(points, box, box.height, (rows, columns), 1.0)
         self.box, self.velocities = box, velocities
 
-    def set_walls(self, distance: Callable[[np.ndarray], np.ndarray]) -> None:
+    def set_walls(
+        self, distance: Callable[[np.ndarray], np.ndarray], outlet: Callable[[np.ndarray], np.ndarray] | None = None
+    ) -> None:
         """Assemble and factorise the matrix.
 
         ``distance(positions)``: distance (n,) of positions (n, 2) in the box from the nearest wall, positive in the
-        fluid [length].
+        fluid [length]. ``outlet``: the same of an open end that is none of these walls; the pressure is 0 behind it.
         """
         from scipy.sparse import coo_matrix, diags, identity
         from scipy.sparse.linalg import splu
@@ -209,9 +211,12 @@ class WalledGrid(AuxiliaryGrid):
             area, volume = (np.bincount(corners.ravel(), np.tile(each, 4)) for each in (part, volumes))
             matrix = (diags(np.divide(area, volume, out=np.zeros_like(area), where=volume > 0.0)) @ matrix).tocsc()
         diagonal = matrix.diagonal()
+        nodes, used = np.stack([column * width, row * height], axis=1), diagonal > EMPTY * diagonal.max()
         if self.velocities:
-            self.node_distance = distance(np.stack([column * width, row * height], axis=1))
-        self.active = np.flatnonzero(diagonal > EMPTY * diagonal.max())
+            self.node_distance = distance(nodes)
+        if outlet:
+            used &= outlet(nodes) > 0.0
+        self.active = np.flatnonzero(used)
         floating = FLOATING * diagonal.max() * identity(len(self.active), format="csc")
         self.factors = splu(matrix[self.active][:, self.active] + floating)
 

@@ -35,7 +35,11 @@ class BiCGStab:
     ``x`` (slots + 1): guess, then solution; ``b`` (capacity): right side. ``ghosts``: points beyond walls, with minus
     the value of their source in the fluid: number ``count``, value of the source ``value(values, k)``. ``iterations``:
     number for the last solution, in halves. ``hoop``: all components but the first are v/r and w/r of axisymmetric
-    flow, whose Laplacian has a further term.
+    flow, whose Laplacian has a further term. ``number``: field with the number of unknowns, which come first of all
+    points; by default all of a pure Neumann problem, else the fluid.
+
+    ``outlet``: field with the first of the last points, at an open end. These are unknowns as well, with the rows
+    -sigma * ``outlet_area`` * A, in which A is a normal derivative. The points between the fluid and them are not.
     """
 
     def __init__(
@@ -45,10 +49,14 @@ class BiCGStab:
         width: int | None = None,
         pure_neumann: bool = False,
         hoop: bool = False,
+        number: Any = None,
+        outlet: Any = None,
+        outlet_area: float = 0.0,
     ):
         self.operators, self.ghosts, self.points, self.hoop = operators, ghosts, operators.points, hoop
         self.is_scalar, self.pure_neumann, self.has_ghosts = width is None, pure_neumann, ghosts is not None
-        self.number = self.points.particles if pure_neumann else self.points.n_fluid
+        self.number = number or (self.points.particles if pure_neumann else self.points.n_fluid)
+        self.outlet, self.outlet_area, self.has_outlet = outlet, scalar(outlet_area), outlet is not None
         self.serial = operators.serial_light
         self.workers = 1 if self.serial else threads()
         self.kind = real() if width is None else ti.types.vector(width, real())
@@ -109,7 +117,26 @@ class BiCGStab:
         laplacian = self.operators.apply(self.operators.laplacian, values, i)
         if ti.static(self.hoop):
             laplacian += self.operators.hoop(values, i)
-        return self.sigma[None] * values[i] - self.coefficient[None] * laplacian
+        result = self.sigma[None] * values[i] - self.coefficient[None] * laplacian
+        if ti.static(self.has_outlet):
+            if i >= self.points.n_fluid[None]:
+                result = -self.outlet_part(i) * laplacian
+        return result
+
+    @ti.func
+    def outlet_part(self, i):
+        """Return the factor of the normal derivative at a point that is not in the fluid, 0 away from the outlet."""
+        return ti.select(i >= self.outlet[None], self.sigma[None] * self.outlet_area[None], 0.0)
+
+    @ti.func
+    def diagonal(self, i):
+        """Return the diagonal entry of row ``i``, 1 where there is no unknown."""
+        result = self.sigma[None] - self.coefficient[None] * self.operators.diagonal[i]
+        if ti.static(self.has_outlet):
+            if i >= self.points.n_fluid[None]:
+                part = self.outlet_part(i)
+                result = ti.select(part > 0.0, -part * self.operators.diagonal[i], 1.0)
+        return result
 
     @ti.func
     def dot(self, left, right):
@@ -161,7 +188,7 @@ class BiCGStab:
             for block in range(first, last):
                 part, total = ti.Vector([0.0, 0.0, 0.0]), 0.0 * self.b[0]
                 for i in range(block * BLOCK, self.end(block, particles)):
-                    self.inverse[i] = 1.0 / (self.sigma[None] - self.coefficient[None] * self.operators.diagonal[i])
+                    self.inverse[i] = 1.0 / self.diagonal(i)
                     residual = self.b[i] - self.row(self.x, i)
                     self.residual[i] = residual
                     total += residual

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import Body
+from tisph.geometry.ends import OpenEnd
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
@@ -107,6 +108,11 @@ class _Problem(Box):
     def bodies(self) -> Sequence[Body]:
         """The bodies whose walls there are."""
         return self.walls.bodies if self.walls else ()
+
+    @property
+    def open_ends(self) -> tuple[float, ...]:
+        """Places x of the open ends, in the box."""
+        return tuple(float(body.shape.extent[0, 0]) - self.origin[0] for body in self.bodies if isinstance(body, OpenEnd))
 
     @property
     def solvent_viscosity(self) -> float:

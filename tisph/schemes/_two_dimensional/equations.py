@@ -51,8 +51,16 @@ class Equations:
         vector = ti.types.vector(components, real())
         self.has_body_force = any(problem.acceleration) or problem.kept_mean_velocity is not None
         self.acceleration = holding(ti.field(vector, ()), (*problem.acceleration, 0.0)[:components])
-        self.pressure = BiCGStab(self.operators, pure_neumann=True)
-        self.velocity = BiCGStab(extra_stress.operators, width=components, hoop=self.coordinates.axisymmetric)
+        closed = boundary.outlet is None
+        outlet = {} if closed else {"number": self.points.particles, "outlet": boundary.outlet}
+        self.pressure = BiCGStab(self.operators, pure_neumann=closed, number=boundary.outlet)
+        self.velocity = BiCGStab(
+            extra_stress.operators,
+            width=components,
+            hoop=self.coordinates.axisymmetric,
+            outlet_area=problem.spacing**2,
+            **outlet,
+        )
         self.for_pressure = TwoLevel(self.pressure, grid, boundary.bounded)
         self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
         self.stokes: Any = StokesSolver(self.operators, grid, components, self.spacing) if together else None

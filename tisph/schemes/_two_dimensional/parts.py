@@ -98,9 +98,11 @@ class Boundary:
     """The walls of the fluid, whose points are ``slots`` of all points; here none (periodic box).
 
     ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
+    ``outlet``: field with the first slot of the points of an open end whose pressure is known, None without one.
     """
 
     bounded = False
+    outlet: Any = None
     slots: slice
     velocity: np.ndarray
 
@@ -118,6 +120,9 @@ class Boundary:
     def reset(self) -> None:
         """Return to the state before the first step."""
 
+    def undo(self) -> None:
+        """Take back what an attempt that was rejected has changed."""
+
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Predict particles and bodies at the end of a step ``dt``, at ``time``; return False where bodies overlap."""
         return True
@@ -127,6 +132,10 @@ class Boundary:
 
     def impose_neumann_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""
+
+    def inside(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""
+        return position
 
     def begin_step(self, weights: TimeWeights) -> None:
         """Extrapolate the curl of the vorticity at walls to the end of a step."""

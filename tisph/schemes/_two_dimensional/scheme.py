@@ -23,6 +23,7 @@ from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.free_bodies import FreeBodyCoupling, FreeWallBoundary
 from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
+from tisph.schemes._two_dimensional.open_ends import OpenWallBoundary
 from tisph.schemes._two_dimensional.parts import (
     MOST_ITERATIONS,
     Boundary,
@@ -97,8 +98,8 @@ class SplittingScheme(ControlledScheme):
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
         near_walls = (MAX_WALLS, problem.contact is not None, walls.across_axis) if walls else ()
-        self.shift = FickianShifting(self.points, problem.spacing, *near_walls)
-        self.levels = TimeLevels(self.operators, self.shift)
+        self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)
+        self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
         self.extra_stress = extra_stress_of(problem, self.levels)
         self.boundary = boundary_of(problem, self.levels, self.shift, self.grid, self.extra_stress)
         precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
@@ -245,6 +246,7 @@ class SplittingScheme(ControlledScheme):
         gamma0, alpha = weights.bdf()
         inertia = gamma0 if self.problem.inertia else 0.0
 
+        boundary.undo()
         levels.predict(weights)
         if not boundary.predict(weights, dt, end):
             return math.inf, 1
@@ -372,6 +374,7 @@ class SplittingScheme(ControlledScheme):
             velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)
             position = position - np.einsum("a,iac->ic", weights.integral(offset), velocities[..., :2])
             pressure = fields[:, first:] @ weights.interpolation(offset, PRESSURES)
+            position = boundary.inside(position)
             if problem.axisymmetric:  # around the axis the circulation is interpolated
                 velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
         position, velocity, pressure = boundary.corners.whole_flow(
@@ -386,7 +389,7 @@ class SplittingScheme(ControlledScheme):
             v=velocity[:, 1].copy(),
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
             density=np.full(len(position), problem.density),
-            pressure=problem.density * (pressure - pressure.mean()),
+            pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
             bodies=boundary.bodies(time, weights, offset),
             load_scatter=boundary.load_scatter,
             divergence=self.residual,
@@ -443,7 +446,7 @@ def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_s
     """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
     if problem.walls is None:
         return Boundary(problem, levels)
-    kind = FreeWallBoundary if problem.contact else WallBoundary
+    kind = OpenWallBoundary if problem.open_ends else FreeWallBoundary if problem.contact else WallBoundary
     return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
 
 

@@ -311,13 +311,14 @@ class TimeLevels:
     particle that is shifted gets the levels of its new path by a Taylor series of second order.
 
     ``d_dx``, ``d_dy``: derivatives of all fields. ``divergence`` (fluid): divergence of the newest velocities.
-    ``fastest``: largest newest velocity that moves a particle, relative to the mean; ``largest``: the same with the
-    velocity around the axis. ``number`` (fluid): number of a particle at the start, as their order in memory changes.
+    ``fastest``: largest newest velocity that moves a particle, relative to the mean where ``carried_along``;
+    ``largest``: the same with the velocity around the axis. ``number`` (fluid): number of a particle at the start, as their order in memory changes.
 
     """
 
-    def __init__(self, operators: Any, shift: Any) -> None:
+    def __init__(self, operators: Any, shift: Any, carried_along: bool = True) -> None:
         self.operators, self.points, self.shift = operators, operators.points, shift
+        self.carried_along = carried_along
         self.coordinates = (AxisymmetricCoordinates if operators.axisymmetric else PlanarCoordinates)(operators)
         self.components = self.coordinates.components
         self.first_pressure = self.components * VELOCITIES
@@ -431,7 +432,7 @@ class TimeLevels:
         mean = 0.0 * self.velocity(0, 0)
         for i in range(particles):
             mean += self.velocity(0, i)
-        mean = self.coordinates.frame(mean / particles)
+        mean = self.coordinates.frame(mean / particles) if ti.static(self.carried_along) else 0.0 * mean
         for i in range(particles):
             d_dx, d_dy = self.d_dx[i], self.d_dy[i]
             square = self.coordinates.gradient_square(i, self.fields, d_dx, d_dy)

@@ -193,7 +193,7 @@ class WallBoundary(Boundary):
         view(self.operators.support_factor)[: self.problem.particles] = factor
         view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + SKIN * spacing
         self.close_gaps(distances)
-        inwards = np.abs(self.walls.inwards(self.normals, self.velocity)).max()
+        inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)
 

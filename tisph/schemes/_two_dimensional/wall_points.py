@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import SlidingWall
+from tisph.geometry.ends import Inlet, OpenEnd, Outlet
 from tisph.geometry.shape import Boundary
 
 WALL_DISTANCE = 2.9
@@ -57,6 +58,7 @@ class WallPoints:
     """Points on the walls of ``bodies``; positions are in the box of a problem, its lowest corner ``origin``.
 
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
+    ``solid`` (count,): whether a point is on a wall, and not on an open end.
     """
 
     across_axis = False
@@ -68,6 +70,8 @@ class WallPoints:
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
+        solid = [np.full(len(each.length), not isinstance(body, OpenEnd)) for body, each in zip(bodies, self.outlines, strict=True)]
+        self.solid = np.concatenate(solid)
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept_time = math.nan
         self._kept: list[Boundary] = []
@@ -130,7 +134,13 @@ class WallPoints:
         strain = np.concatenate(parts).T
         shear = np.einsum("abn,an,bn->n", gradients, tangent, normal)
         across = shear * tangent - np.sum(strain * tangent, axis=0) * normal
-        return across[:, None] * normal + strain[:, None] * tangent
+        result = across[:, None] * normal + strain[:, None] * tangent
+        for body, part in zip(self.bodies, self.parts, strict=True):
+            if isinstance(body, Inlet):  # developed upstream
+                result[:, :, part] = (strain[:, None] * tangent)[:, :, part]
+            elif isinstance(body, Outlet):
+                result[:, :, part] = gradients[:, :, part]
+        return result
 
     def sums(self, tractions: np.ndarray, time: float) -> np.ndarray:
         """Return force, torque and stresslet (n, bodies, 4) on bodies, of n ``tractions`` (n, count, 2) at the points.

@@ -1,0 +1,255 @@
+"""Open ends in a step: an inlet with a given velocity, an outlet without stress, and particles that leave and enter.
+
+At the inlet velocities are given, and the pressure obeys the same equation as at walls. The outlet does nothing,
+nu du/dn = p n. Along it, where the divergence is 0, the derivative of the velocity u along the normal is minus the
+derivative of v along the outlet, of the last outer iteration,
+
+    p = nu g + S_yy,    du/dx = g,    dv/dx = 0,    g = -dv/dy,
+
+the pressure's values first, and the normal derivatives as equations of the velocities' system. S_yy, of a polymer, is
+there since with p - S_yy constant across the outlet a developed flow leaves it as it came.
+
+The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
+step: at the outlet along its path, by Taylor series with the gradients at the end of the last step; at the inlet the
+given velocities, and v as the fluid in front of the inlet has it.
+
+Within half a spacing of an end particles that flow out leave. As the fluid is incompressible and its region does not
+change, as much flows in, and each particle enters again: where the fluid flows in, in the middle of the largest void.
+It has the time levels there, a polynomial through those of the particles and points around it. So there are as many
+particles at all times, no step depends on the order in which they enter, and a void is filled as soon as it is there.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.ends import Inlet, OpenEnd, Outlet
+from tisph.runtime import integer, view
+from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
+from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+
+LEAVES = 0.3
+"""Distance from an end, in particle spacings, at which particles have left: about the least one from walls."""
+
+PLACES_ALONG, PLACES_AWAY = 4, tuple(np.arange(3, 13) / 10)
+"""Places at which particles may enter: number in a spacing along an end, and distances from it in spacings."""
+
+DEGREE, AROUND = 4, 40
+"""Degree of the polynomial, and number of points, from which a particle takes its time levels."""
+
+
+class OpenWallBoundary(WallBoundary):
+    """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
+
+    ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``passages`` (fluid,): how often a
+    particle, by its number at the start, has left and entered. ``levels_at_outlet``: values and gradients, (points,
+    numbers) and (2, points, numbers), of each field that particles carry; ``v_slope``: dv/dx at the inlets' points.
+    """
+
+    def __init__(self, problem: Any, *others: Any) -> None:
+        super().__init__(problem, *others)
+        walls = self.walls
+        kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]
+        self.of_outlet = kinds[-1][1]
+        self.of_inlets = np.concatenate([part for body, part in kinds if isinstance(body, Inlet)])
+        self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
+        self.first = problem.n_fluid + self.of_outlet[0]
+        self.outlet = integer(self.first)
+        self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
+        self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]] = []
+        self.v_slope = np.zeros(len(self.of_inlets))
+        self.passages = np.zeros(problem.n_fluid, dtype=int)
+        self.replaced: tuple[np.ndarray, list[np.ndarray]] | None = None
+
+    @property
+    def carried_fields(self) -> tuple[Any, ...]:
+        """Fields that particles carry from step to step."""
+        return (self.levels.fields, *self.extra_stress.fields)
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+        super().reset()
+        self.replaced = None
+        self.passages[...] = 0
+
+    def set_grid(self, time: float) -> None:
+        """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
+        *closed, outlet = self.walls.bodies
+        origin = self.walls.origin
+        self.grid.set_walls(
+            lambda place: np.min([body.nearest(place + origin, time).distance for body in closed], axis=0),
+            lambda place: outlet.nearest(place + origin, time).distance,
+        )
+        self.grid_time = time
+
+    def move(self, time: float) -> None:
+        """Set the points at ``time``; the outlet's have their newest velocities."""
+        super().move(time)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+
+    def jump(self, time: float) -> None:
+        """Give the points on walls the velocities after a jump at ``time``."""
+        super().jump(time)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        self.newest_velocities[self.first :] = self.outlet_velocity
+
+    def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
+        table, listed = self.points.listed_neighbours(chosen)
+        apart = values[table] - values[chosen, None]
+        rows = [np.where(listed, view(part)[chosen], 0.0) for part in (self.operators.d_dx, self.operators.d_dy)]
+        return np.stack([np.einsum("ik,ikn->in", row, apart) for row in rows])
+
+    def apply_impulse(self, equations: Equations, tolerance: float) -> bool:
+        """Apply the impulse of the inflow, and of walls, at the start; return whether its system was solved."""
+        view(equations.pressure.x)[...] = 0.0
+        solved = super().apply_impulse(equations, tolerance)
+        potential = view(equations.pressure.x).astype(float)[:, None]
+        change = self.slopes(np.arange(self.first, self.problem.particles), potential)[:, :, 0].T
+        self.outlet_velocity = self.fluid_velocity[self.of_outlet] - change
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        return solved
+
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
+        """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
+        elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
+        values, (d_dx, d_dy) = self.levels_at_outlet[0]
+        velocities = values[:, : components * VELOCITIES].reshape(len(values), VELOCITIES, components)
+        x, y = -np.einsum("q,iqc->ci", weights.step_integral(), velocities)
+        for field, (values, (d_dx, d_dy)) in zip(self.carried_fields, self.levels_at_outlet, strict=True):
+            moved = values + x[:, None] * d_dx + y[:, None] * d_dy
+            view(field)[self.first : self.problem.particles] = moved
+        inlets = view(self.levels.fields)[self.problem.n_fluid : self.problem.particles]
+        for level, since in enumerate(elapsed):
+            along = components * level
+            inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
+        self.exchange(time)
+        return super().predict(weights, dt, time)
+
+    def add_normal_momentum(self, equations: Equations, dt: float, gamma0: float, viscosity: float) -> None:
+        """Set the right-hand sides at the points, and the pressure at the outlet, for the present velocity."""
+        super().add_normal_momentum(equations, dt, gamma0, viscosity)
+        chosen = np.arange(self.first, self.problem.particles)
+        change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
+        viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
+        pressure = viscosities * change
+        if self.problem.carries_stress:
+            pressure += self.extra_stress.wall_stress()[2, self.of_outlet]
+        view(equations.pressure.x)[chosen] = pressure
+        rows = view(self.weight)[chosen] * (viscosities / viscosity if viscosity else 1.0)
+        right = view(equations.velocity.b)[chosen]
+        right[...] = 0.0
+        right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * self.normals[self.of_outlet, 0] * change
+        view(equations.velocity.b)[chosen] = right
+
+    def begin(self, equations: Equations) -> None:
+        """Give the points their velocities after the start, and the equations their accelerations."""
+        super().begin(equations)
+        self.store_ends()
+
+    def store(self, time: float) -> None:
+        """Store the curl of the vorticity, the loads, and the time levels at the ends, at ``time``."""
+        self.outlet_velocity = self.newest_velocities[self.first :].astype(float)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        super().store(time)
+        self.store_ends()
+        if self.replaced:
+            self.passages[view(self.levels.number)[self.replaced[0]]] += 1
+        self.replaced = None
+
+    def store_ends(self) -> None:
+        """Store the time levels at the ends, with their gradients."""
+        chosen = np.arange(self.first, self.problem.particles)
+        fields = [view(field).astype(float) for field in self.carried_fields]
+        self.levels_at_outlet = [(values[chosen], self.slopes(chosen, values)) for values in fields]
+        inlets = self.problem.n_fluid + self.of_inlets
+        self.v_slope = self.slopes(inlets, fields[0][:, 1:2])[0, :, 0]
+
+    # Particles that leave and enter -----------------------------------------------------------------------------------
+
+    def exchange(self, time: float) -> None:
+        """Let each particle that has left by the end of a step, at ``time``, enter: where there is most room for it."""
+        spacing, fluid = self.problem.spacing, self.problem.n_fluid
+        place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
+        place[self.slots] = self.walls.at(time)[0]
+        leaving, entrances = np.zeros(fluid, dtype=bool), []
+        for body, part in self.ends:
+            normal, slots = body.shape.normal, fluid + part
+            distance = body.nearest(place[:fluid] + self.walls.origin).distance
+            leaving |= (distance < LEAVES * spacing) & (velocity[:fluid] @ normal < 0.0)
+            inwards = slots[velocity[slots] @ normal > 0.0]
+            along = (np.arange(PLACES_ALONG) + 0.5) / PLACES_ALONG - 0.5
+            grid = np.array([[away, shift] for shift in along for away in PLACES_AWAY]) * spacing
+            offsets = grid[:, :1] * normal + grid[:, 1:] * [-normal[1], normal[0]]
+            entrances.append((place[inwards, None] + offsets).reshape(-1, 2))
+        slots, places = np.flatnonzero(leaving), np.concatenate(entrances)
+        if not len(slots) or not len(places):
+            return
+        sources = np.append(np.flatnonzero(~leaving), np.arange(fluid, len(place)))
+        room, chosen = self.room(place[:fluid][~leaving], places), []
+        for _ in slots:
+            chosen.append(int(np.argmax(room)))
+            room = np.minimum(room, np.linalg.norm(places - places[chosen[-1]], axis=1))
+        slots = slots[np.argsort(view(self.levels.number)[slots])]  # their order in memory has no meaning
+        self.enter(slots, places[chosen], sources, place[sources])
+
+    def room(self, particles: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Return the distances (n,) of ``places`` (n, 2) from the nearest particle, or from their own mirror image."""
+        from scipy.spatial import cKDTree
+
+        walls = np.min([body.nearest(places + self.walls.origin).distance for body in self.walls.bodies], axis=0)
+        return np.minimum(cKDTree(particles).query(places)[0], 2.0 * walls)
+
+    def enter(self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray) -> None:
+        """Put the particles in ``slots`` at ``places``, with the time levels that the fluid has there.
+
+        ``sources``: slots of all other points, which are at ``of_sources`` (n, 2).
+        """
+        from scipy.spatial import cKDTree
+
+        tree = cKDTree(of_sources)
+        distance, nearest = tree.query(places, AROUND)
+        radius = distance[:, -1:]
+        apart = (tree.data[nearest] - places[:, None]) / radius[..., None]
+        x, y = apart[..., 0], apart[..., 1]
+        basis = np.stack([x**a * y**b for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a)], axis=1)
+        weighted = basis * ((1.0 - (distance / radius) ** 2) ** 2)[:, None]
+        inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
+        weights = (inverse[:, :1] @ weighted)[:, 0]
+        fields = *self.carried_fields, self.levels.divergence
+        self.replaced = slots, [view(field)[slots] for field in fields]
+        for field in fields:
+            values = view(field)[sources[nearest]].astype(float)
+            view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
+        view(self.points.position)[slots] = places
+
+    def inside(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step; particles that enter later are at the ends."""
+        position = position.copy()
+        low, high = sorted(self.problem.open_ends)
+        position[:, 0] = np.clip(position[:, 0], low, high)
+        return position
+
+    def undo(self) -> None:
+        """Take back the exchange of an attempt that was rejected."""
+        if self.replaced:
+            slots, values = self.replaced
+            for field, before in zip((*self.carried_fields, self.levels.divergence), values, strict=True):
+                view(field)[slots] = before
+        self.replaced = None
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        arrays = {"outlet_velocity": self.outlet_velocity, "v_slope": self.v_slope, "passages": self.passages}
+        levels = [[part.tolist() for part in pair] for pair in self.levels_at_outlet]
+        return {**super().host_state(), **{name: array.tolist() for name, array in arrays.items()}, "ends": levels}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
+        super().restore_host_state(state)
+        self.outlet_velocity, self.v_slope, self.passages = (
+            np.array(state[name]) for name in ("outlet_velocity", "v_slope", "passages")
+        )
+        self.levels_at_outlet = [(np.array(values), np.array(slopes)) for values, slopes in state["ends"]]

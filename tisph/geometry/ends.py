@@ -12,6 +12,11 @@ import numpy as np
 from tisph.geometry.body import Body
 
 
+LEAST_DISTANCE = 0.3
+"""Distance from an end, in particle spacings, within which there are no particles: operators of particles nearer to a
+row of points have large entries."""
+
+
 @dataclass(frozen=True)
 class InletProfile:
     """Velocity through an inlet over the height y, for a mean velocity of 1: ``value`` and ``slope``, its dy."""

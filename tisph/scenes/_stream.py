@@ -5,16 +5,20 @@ pressures of both ends.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tisph.geometry.body import Body
-from tisph.geometry.ends import Course, Inlet, InletProfile, Outlet
+from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, InletProfile, OpenEnd, Outlet
 from tisph.geometry.line import Line
 from tisph.geometry.motion import Schedule, WallMotion
+from tisph.geometry.packing import pack
+from tisph.geometry.region import Region
 from tisph.scenes._cell import Cell
+from tisph.scenes._scene import LEAST_JITTER
 
 
 def course_of(given: Any) -> Any:
@@ -65,6 +69,26 @@ class Stream(Cell):
         bodies = bodies_of(config, walls)
         developed = (lambda x, y: np.stack([profile.value(y), 0.0 * y]) * course.velocity(0.0)) if config.initial.state == "developed" else None
         return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
+
+    @cached_property
+    def _filled(self) -> Region:
+        """The part of the region in which there are particles: the ends are moved into it."""
+        clear = LEAST_DISTANCE * self.spacing
+        moved = [
+            replace(body, centre=tuple(clear * body.shape.normal)) if isinstance(body, OpenEnd) else body
+            for body in self.bodies
+        ]
+        return replace(self.region, bodies=tuple(moved))
+
+    @cached_property
+    def particles(self) -> int:
+        """Number of fluid particles."""
+        return round(self._filled.area / self.spacing**2)
+
+    def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return x, y (particles,) of particles that fill the region."""
+        x, y = pack(self._filled, self.spacing, max(jitter, LEAST_JITTER), seed).T
+        return x, y
 
     @property
     def inlet(self) -> Inlet:

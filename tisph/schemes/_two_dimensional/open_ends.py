@@ -24,17 +24,16 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import Inlet, OpenEnd, Outlet
+from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
 from tisph.runtime import integer, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 
-LEAVES = 0.3
-"""Distance from an end, in particle spacings, at which particles have left: about the least one from walls."""
-
-PLACES_ALONG, PLACES_AWAY = 4, tuple(np.arange(3, 13) / 10)
-"""Places at which particles may enter: number in a spacing along an end, and distances from it in spacings."""
+AWAY, ALONG = (
+    part.ravel() for part in np.meshgrid(LEAST_DISTANCE + np.arange(10) / 10, (np.arange(5) - 2) / 5, indexing="ij")
+)
+"""Places at which a particle may enter, from a point of an end: distances from the end and along it, in spacings."""
 
 DEGREE, AROUND = 4, 40
 """Degree of the polynomial, and number of points, from which a particle takes its time levels."""
@@ -61,7 +60,9 @@ class OpenWallBoundary(WallBoundary):
         self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]] = []
         self.v_slope = np.zeros(len(self.of_inlets))
         self.passages = np.zeros(problem.n_fluid, dtype=int)
-        self.replaced: tuple[np.ndarray, list[np.ndarray]] | None = None
+        self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
+        self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
+        self.due = np.zeros(sum(len(part) for _, part in self.ends))
 
     @property
     def carried_fields(self) -> tuple[Any, ...]:
@@ -72,6 +73,7 @@ class OpenWallBoundary(WallBoundary):
         """Return to the state before the first step."""
         super().reset()
         self.replaced = None
+        self.due = np.zeros(len(self.due))
         self.passages[...] = 0
 
     def set_grid(self, time: float) -> None:
@@ -125,7 +127,7 @@ class OpenWallBoundary(WallBoundary):
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
-        self.exchange(time)
+        self.exchange(dt, time)
         return super().predict(weights, dt, time)
 
     def add_normal_momentum(self, equations: Equations, dt: float, gamma0: float, viscosity: float) -> None:
@@ -169,38 +171,37 @@ class OpenWallBoundary(WallBoundary):
 
     # Particles that leave and enter -----------------------------------------------------------------------------------
 
-    def exchange(self, time: float) -> None:
-        """Let each particle that has left by the end of a step, at ``time``, enter: where there is most room for it."""
+    def exchange(self, dt: float, time: float) -> None:
+        """Let each particle that has left by the end of a step ``dt``, at ``time``, enter."""
         spacing, fluid = self.problem.spacing, self.problem.n_fluid
         place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
-        place[self.slots] = self.walls.at(time)[0]
-        leaving, entrances = np.zeros(fluid, dtype=bool), []
-        for body, part in self.ends:
-            normal, slots = body.shape.normal, fluid + part
+        place[self.slots], normal, _ = self.walls.at(time)
+        leaving = np.zeros(fluid, dtype=bool)
+        for body, _ in self.ends:
             distance = body.nearest(place[:fluid] + self.walls.origin).distance
-            leaving |= (distance < LEAVES * spacing) & (velocity[:fluid] @ normal < 0.0)
-            inwards = slots[velocity[slots] @ normal > 0.0]
-            along = (np.arange(PLACES_ALONG) + 0.5) / PLACES_ALONG - 0.5
-            grid = np.array([[away, shift] for shift in along for away in PLACES_AWAY]) * spacing
-            offsets = grid[:, :1] * normal + grid[:, 1:] * [-normal[1], normal[0]]
-            entrances.append((place[inwards, None] + offsets).reshape(-1, 2))
-        slots, places = np.flatnonzero(leaving), np.concatenate(entrances)
-        if not len(slots) or not len(places):
-            return
-        sources = np.append(np.flatnonzero(~leaving), np.arange(fluid, len(place)))
-        room, chosen = self.room(place[:fluid][~leaving], places), []
-        for _ in slots:
-            chosen.append(int(np.argmax(room)))
-            room = np.minimum(room, np.linalg.norm(places - places[chosen[-1]], axis=1))
+            leaving |= (distance < LEAST_DISTANCE * spacing) & (velocity[:fluid] @ body.shape.normal < 0.0)
+        points = fluid + np.concatenate([part for _, part in self.ends])
+        normal = normal[points - fluid]
+        inwards = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
+        due = self.due + dt * inwards * self.walls.length[points - fluid] / spacing**2
+        slots = np.flatnonzero(leaving)
         slots = slots[np.argsort(view(self.levels.number)[slots])]  # their order in memory has no meaning
-        self.enter(slots, places[chosen], sources, place[sources])
-
-    def room(self, particles: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Return the distances (n,) of ``places`` (n, 2) from the nearest particle, or from their own mirror image."""
-        from scipy.spatial import cKDTree
-
-        walls = np.min([body.nearest(places + self.walls.origin).distance for body in self.walls.bodies], axis=0)
-        return np.minimum(cKDTree(particles).query(places)[0], 2.0 * walls)
+        others, places = place[:fluid][~leaving], []
+        for _ in slots:
+            best = int(np.argmax(due))
+            due[best] -= 1.0
+            offsets = AWAY[:, None] * normal[best] + ALONG[:, None] * [-normal[best, 1], normal[best, 0]]
+            around = place[points[best]] + spacing * offsets
+            room = np.linalg.norm(around[:, None] - others, axis=2).min(axis=1)
+            walls = [body.nearest(around + self.walls.origin).distance for body in self.solid]
+            places.append(around[np.argmax(np.minimum(room, 2.0 * np.min(walls, axis=0)))])
+            others = np.append(others, places[-1:], axis=0)
+        sources = np.append(np.flatnonzero(~leaving), np.arange(fluid, len(place)))
+        fields = *self.carried_fields, self.levels.divergence
+        self.replaced = slots, [view(field)[slots] for field in fields], self.due
+        self.due = due
+        if len(slots):
+            self.enter(slots, np.array(places), sources, place[sources])
 
     def enter(self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray) -> None:
         """Put the particles in ``slots`` at ``places``, with the time levels that the fluid has there.
@@ -218,9 +219,7 @@ class OpenWallBoundary(WallBoundary):
         weighted = basis * ((1.0 - (distance / radius) ** 2) ** 2)[:, None]
         inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
         weights = (inverse[:, :1] @ weighted)[:, 0]
-        fields = *self.carried_fields, self.levels.divergence
-        self.replaced = slots, [view(field)[slots] for field in fields]
-        for field in fields:
+        for field in (*self.carried_fields, self.levels.divergence):
             values = view(field)[sources[nearest]].astype(float)
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
         view(self.points.position)[slots] = places
@@ -235,7 +234,7 @@ class OpenWallBoundary(WallBoundary):
     def undo(self) -> None:
         """Take back the exchange of an attempt that was rejected."""
         if self.replaced:
-            slots, values = self.replaced
+            slots, values, self.due = self.replaced
             for field, before in zip((*self.carried_fields, self.levels.divergence), values, strict=True):
                 view(field)[slots] = before
         self.replaced = None
@@ -243,13 +242,13 @@ class OpenWallBoundary(WallBoundary):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         arrays = {"outlet_velocity": self.outlet_velocity, "v_slope": self.v_slope, "passages": self.passages}
+        arrays["due"] = self.due
         levels = [[part.tolist() for part in pair] for pair in self.levels_at_outlet]
         return {**super().host_state(), **{name: array.tolist() for name, array in arrays.items()}, "ends": levels}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
-        self.outlet_velocity, self.v_slope, self.passages = (
-            np.array(state[name]) for name in ("outlet_velocity", "v_slope", "passages")
-        )
+        names = "outlet_velocity", "v_slope", "passages", "due"
+        self.outlet_velocity, self.v_slope, self.passages, self.due = (np.array(state[name]) for name in names)
         self.levels_at_outlet = [(np.array(values), np.array(slopes)) for values, slopes in state["ends"]]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import SlidingWall
-from tisph.geometry.ends import Inlet, OpenEnd, Outlet
+from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
 from tisph.geometry.shape import Boundary
 
 WALL_DISTANCE = 2.9
@@ -215,6 +215,8 @@ class WallPoints:
             foot = body.nearest(places, time)
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
             planes[:, number, 2] = np.einsum("ni,ni->n", foot.point - self.origin, foot.normal)
+            if isinstance(body, OpenEnd):  # particles keep this distance from it
+                planes[:, number, 2] += LEAST_DISTANCE * self.spacing
             curvatures[:, number] = self._mean_curvature(number, foot, time)
         nearest = np.argsort(distances, axis=1, kind="stable")[:, :MAX_WALLS]
         planes = np.take_along_axis(planes, nearest[..., None], 1)

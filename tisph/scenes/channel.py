@@ -165,8 +165,8 @@ class Config(schema.Config):
 
     @property
     def aspect(self) -> float:
-        """Length over gap."""
-        return self.geometry.length / self.geometry.gap
+        """Length over gap; 1 with open ends, when the spacing need not divide the length."""
+        return 1.0 if self.ends else self.geometry.length / self.geometry.gap
 
     @property
     def start_time(self) -> float:
@@ -203,6 +203,8 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a length that the spacing does not divide, or that is too short."""
+        if self.ends:
+            return
         wrong = checks.incommensurate_columns(self)
         yield from wrong
         least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)

@@ -7,8 +7,10 @@ velocities u of the fluid and pressures p of all points, fluid and walls (docs/t
     D u + tau (D G - L) p = 0                                        in the fluid,                      (10)
     n . G p + nu n . curl curl u = n . (f - sigma U)                 on walls,                          (11)
     M sigma X - F(u, p) = load                                       of bodies that the flow carries,   (12)
+    n . G u = -n_x D_y v,   n . G v = 0,   p = -nu D_y v + S_yy      at an outlet,                      (13)
 
-where U is the velocity of the walls, to which X of the bodies contributes. D G has modes of the pressure that oscillate
+where U is the velocity of the walls, to which X of the bodies contributes. At an outlet, an end along y, (13) gives the
+velocities and pressures there, which are no unknowns, by those of the other points. D G has modes of the pressure that oscillate
 from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the splitting
 (``equations.py``), and leave a divergence that grows with the step.
 
@@ -93,7 +95,8 @@ class WallRows:
     """Equations at the points on walls: ``normal`` (count, 2) into the fluid and ``weight`` (count,) of a row.
 
     ``open_walls`` (count,) and ``open_fluid`` (fluid,): parts of the equations that hold where gaps between bodies
-    close; 1 elsewhere. ``strain``: function of velocities and their derivatives at the points, 2 D.
+    close; 1 elsewhere. ``strain``: function of velocities and their derivatives at the points, 2 D. ``outlet``: number
+    of the last points, at an open end with nu du/dn = (p - S_yy) n for the normal stress S_yy of a polymer.
     """
 
     normal: np.ndarray
@@ -101,6 +104,7 @@ class WallRows:
     open_walls: np.ndarray
     open_fluid: np.ndarray
     strain: Any
+    outlet: int = 0
 
 
 class StokesSolver:
@@ -159,6 +163,26 @@ class StokesSolver:
         self.to_fluid, self.to_nodes = self.spread[:fluid], self.spread.T.tocsr()
         self.around = np.asarray(self.to_fluid.sum(axis=0)).ravel()
         self.means = (diags(1.0 / np.maximum(self.around, FEW_AROUND)) @ self.to_fluid.T).tocsr()
+        if rows.outlet:
+            self.set_outlet()
+
+    def set_outlet(self) -> None:
+        """Set the matrices by which velocities and pressures at the outlet follow from the others."""
+        from scipy.sparse.linalg import splu
+
+        self.last = self.n - self.rows.outlet
+        slopes = self.wall_laplacian[-self.rows.outlet :]
+        self.others_slope, self.outlet_y = slopes[:, : self.last], self.d_dy[self.last :]
+        self.outlet_slope = splu(slopes[:, self.last :].tocsc())
+        self.outlet_x = (self.rows.weight * self.rows.normal[:, 0])[-self.rows.outlet :]
+
+    def complete(self, velocity: np.ndarray) -> np.ndarray:
+        """Set a ``velocity`` (components, points) at the outlet by (13), in place; return du/dx (count,) there."""
+        u, v = velocity[0], velocity[1]
+        v[self.last :] = self.outlet_slope.solve(-(self.others_slope @ v[: self.last]))
+        change = -(self.outlet_y @ v)
+        u[self.last :] = self.outlet_slope.solve(self.outlet_x * change - self.others_slope @ u[: self.last])
+        return change
 
     def set_step(self, sigma: float, viscosity: np.ndarray) -> None:
         """Set the coefficients of a step, with the ``viscosity`` (points,) of its implicit part."""
@@ -179,12 +203,15 @@ class StokesSolver:
         divergence: np.ndarray,
         others: Unknowns,
         allowed: float,
+        outlet_stress: np.ndarray,
     ) -> tuple[bool, np.ndarray]:
         """Solve for ``velocity`` (points, components) and ``pressure`` (points,), in place; return if it was, and X.
 
         ``velocity`` on walls is known but for the part of ``others``, by their guess. ``force`` f (points, components).
         ``divergence`` (fluid,) that stays in gaps that close. ``allowed``: root mean square error of the velocities.
+        ``outlet_stress``: S_yy at the outlet.
         """
+        self.outlet_stress = outlet_stress
         fluid, count = self.fluid, self.fluid * self.components
         self.others, self.force, self.divergence = others, np.ascontiguousarray(force.T), divergence
         self.given = velocity[fluid:].T - self.of_walls(others.guess)
@@ -209,7 +236,11 @@ class StokesSolver:
         velocity, others = np.empty((self.components, self.n)), unknowns[count + self.n :]
         velocity[:, : self.fluid] = unknowns[:count].reshape(self.components, -1)
         velocity[:, self.fluid :] = self.of_walls(others) + given * self.given
-        return velocity, unknowns[count : count + self.n], others
+        pressure = unknowns[count : count + self.n]
+        if self.rows.outlet:
+            change = self.complete(velocity)
+            pressure[self.last :] = self.viscosity[self.last :] * change + given * self.outlet_stress
+        return velocity, pressure, others
 
     def residual(self, unknowns: np.ndarray, given: float) -> np.ndarray:
         """Return the residuals of (9) to (12), with the ``given`` part, 0 or 1, of everything that is known."""
@@ -239,7 +270,11 @@ class StokesSolver:
         pushed = self.along[0] * acceleration[0] + self.along[1] * acceleration[1]
         wanted = rows.open_walls * (pushed - self.viscosity[fluid:] * curl)
         continuity[fluid:] = self.tau[fluid:] * wanted - continuity[fluid:]
-        continuity -= continuity.mean()
+        if rows.outlet:
+            at_outlet = slice(self.fluid * self.components + self.last, self.fluid * self.components + self.n)
+            continuity[self.last :] = pressure[self.last :] - (unknowns / self.units)[at_outlet]
+        else:
+            continuity -= continuity.mean()
         rest = self.residual_of_others(velocity, pressure, others, by_x, by_y, given)
         return np.concatenate([momentum.ravel(), continuity, rest])
 
@@ -295,16 +330,23 @@ class StokesSolver:
         fluid = self.fluid
         phi = np.concatenate([continuity[:fluid], np.zeros(self.n - fluid)])
         wanted = continuity[fluid:] / (self.tau * self.viscosity)[fluid:]
+        walls = slice(fluid, self.n - self.rows.outlet)
+        number = walls.stop - fluid
         for _ in range(1 + WALL_SWEEPS):
-            phi[fluid:] += (wanted - self.wall_laplacian @ phi) / self.diagonal[fluid:]
+            phi[walls] += (wanted - self.wall_laplacian @ phi)[:number] / self.diagonal[walls]
         pressure = self.viscosity * phi
         if self.sigma:
-            right = np.concatenate([continuity[:fluid] - continuity[:fluid].mean(), np.zeros(self.n - fluid)])
+            mean = 0.0 if self.rows.outlet else continuity[:fluid].mean()
+            right = np.concatenate([continuity[:fluid] - mean, np.zeros(self.n - fluid)])
             smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
+            smooth[walls.stop :] = 0.0
             smooth[:fluid] -= DAMPING * (right[:fluid] + self.fluid_laplacian @ smooth) / self.diagonal[:fluid]
-            smooth[fluid:] -= (self.wall_laplacian @ smooth) / self.diagonal[fluid:]
+            smooth[walls] -= (self.wall_laplacian @ smooth)[:number] / self.diagonal[walls]
             pressure += self.sigma * smooth
-        return pressure - pressure.mean()
+        if not self.rows.outlet:
+            return pressure - pressure.mean()
+        pressure[walls.stop :] = continuity[walls.stop :]
+        return pressure
 
     def velocity_for(self, momentum: np.ndarray) -> np.ndarray:
         """Return velocities (components, fluid), 0 on walls, that remove the residual of (9)."""
@@ -317,6 +359,8 @@ class StokesSolver:
         """Return the residual of (9) with velocities (components, fluid) that are 0 on walls."""
         whole = np.zeros((self.components, self.n))
         whole[:, : self.fluid] = velocity
+        if self.rows.outlet:
+            self.complete(whole)
         by_y = [self.fluid_y @ each for each in whole] if self.axisymmetric else []
         return momentum - self.viscous(whole, by_y)
 

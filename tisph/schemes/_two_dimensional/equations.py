@@ -115,7 +115,8 @@ class Equations:
         blocks = [coupling.unknowns(dt) for coupling in couplings]
         others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
         divergence = view(self.levels.divergence)[:fluid]
-        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance)
+        stress = self.boundary.outlet_stress()
+        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, stress)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
         self.iterations[0] += stokes.iterations
         for coupling, block in zip(couplings, blocks, strict=True):

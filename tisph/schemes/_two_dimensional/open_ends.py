@@ -20,6 +20,7 @@ particles at all times, no step depends on the order in which they enter, and a 
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from tisph.runtime import integer, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+from tisph.solvers.stokes import WallRows
 
 AWAY, ALONG = (
     part.ravel() for part in np.meshgrid(LEAST_DISTANCE + np.arange(10) / 10, (np.arange(5) - 2) / 5, indexing="ij")
@@ -56,9 +58,7 @@ class OpenWallBoundary(WallBoundary):
         self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
         self.first = problem.n_fluid + self.of_outlet[0]
         self.outlet = integer(self.first)
-        self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
-        self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]] = []
-        self.v_slope = np.zeros(len(self.of_inlets))
+        self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]]
         self.passages = np.zeros(problem.n_fluid, dtype=int)
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
         self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
@@ -75,6 +75,10 @@ class OpenWallBoundary(WallBoundary):
         self.replaced = None
         self.due = np.zeros(len(self.due))
         self.passages[...] = 0
+        self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
+        self.v_slope = np.zeros(len(self.of_inlets))
+        rest = [np.zeros((len(self.of_outlet), field.n)) for field in self.carried_fields]
+        self.levels_at_outlet = [(values, np.stack([values, values])) for values in rest]
 
     def set_grid(self, time: float) -> None:
         """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
@@ -136,15 +140,22 @@ class OpenWallBoundary(WallBoundary):
         chosen = np.arange(self.first, self.problem.particles)
         change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
         viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
-        pressure = viscosities * change
-        if self.problem.carries_stress:
-            pressure += self.extra_stress.wall_stress()[2, self.of_outlet]
-        view(equations.pressure.x)[chosen] = pressure
+        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_stress()
         rows = view(self.weight)[chosen] * (viscosities / viscosity if viscosity else 1.0)
         right = view(equations.velocity.b)[chosen]
         right[...] = 0.0
         right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * self.normals[self.of_outlet, 0] * change
         view(equations.velocity.b)[chosen] = right
+
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of the outlet."""
+        if not self.problem.carries_stress:
+            return np.zeros(len(self.of_outlet))
+        return self.extra_stress.wall_stress()[2, self.of_outlet]
+
+    def rows(self) -> WallRows:
+        """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
+        return replace(super().rows(), outlet=len(self.of_outlet))
 
     def begin(self, equations: Equations) -> None:
         """Give the points their velocities after the start, and the equations their accelerations."""

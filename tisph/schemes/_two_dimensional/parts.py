@@ -144,6 +144,10 @@ class Boundary:
         """Return the velocities (count, components) that the solver has at the points on walls."""
         return self.velocity
 
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+        return np.zeros(0)
+
     def rows(self) -> "WallRows":
         """Return the equations of velocity and pressure at the points, of a ``StokesSolver``."""
         raise NotImplementedError

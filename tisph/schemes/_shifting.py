@@ -158,8 +158,8 @@ class FickianShifting(Shifting):
             self.planes = ti.field(ti.types.vector(3, real()), (points.capacity, walls))
             self.near = scalar(SUPPORT * spacing)
         self.open, self.per_spacing = len(ends), scalar(1.0 / spacing)
-        self.ends = holding(ti.field(real(), max(1, self.open)), ends)
-        self.ends.used = None
+        if ends:
+            self.ends = holding(ti.field(real(), self.open), ends)
         self.listed = ti.field(ti.i32, (points.capacity, points.row_capacity))
         self.count = ti.field(ti.i32, points.capacity)
         self.listed.used = self.count.used = None

@@ -99,6 +99,10 @@ class Snapshot:
     step to step, over that force, and the body's number. ``divergence``: rms of the divergence of the velocities over
     the rms of their gradient, by the operators of the scheme. ``acceleration``: body acceleration along x that keeps a
     mean velocity.
+
+    With open ends: ``flow_rates`` (2,) into the fluid through inlet and outlet [length^2/time]; ``backflow``: largest
+    velocity into the fluid at the outlet, 0 without any; ``passages`` (particles_fluid,): how often the fluid of a
+    particle has left, and other fluid has entered in its place.
     """
 
     t: float
@@ -123,3 +127,6 @@ class Snapshot:
     load_scatter: tuple[float, int] | None = None
     divergence: float | None = None
     acceleration: float | None = None
+    flow_rates: np.ndarray | None = None
+    backflow: float | None = None
+    passages: np.ndarray | None = None

@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.geometry.ends import Outlet
 from tisph.geometry.region import nearest_image
 from tisph.snapshot import Snapshot
 
@@ -44,10 +45,10 @@ ACROSS = 4, 9
 
 
 def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions and velocities (n, 2) of the particles, followed by points on walls a spacing apart."""
-    scene = scene.seen(snapshot)
-    points = [body.boundary_points(scene.spacing, snapshot.t).point for body in scene.bodies]
-    walls = [body.velocity(positions, snapshot.t) for body, positions in zip(scene.bodies, points, strict=True)]
+    """Return positions and velocities (n, 2) of the particles, then of points on walls and inlets a spacing apart."""
+    bodies = [body for body in scene.seen(snapshot).bodies if not isinstance(body, Outlet)]
+    points = [body.boundary_points(scene.spacing, snapshot.t).point for body in bodies]
+    walls = [body.velocity(positions, snapshot.t) for body, positions in zip(bodies, points, strict=True)]
     positions, velocity = _particles(snapshot)
     return np.concatenate([positions, *points]), np.concatenate([velocity, *walls])
 

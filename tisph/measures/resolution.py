@@ -106,6 +106,10 @@ The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6,
 1e-3 with 0.5 (docs/evidence/verification.md).
 """
 
+LARGEST_BACKFLOW = 0.01
+"""Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: what flows in there
+is unknown, and an outlet without stress may become unstable with it."""
+
 LARGEST_ADDED_POWER = 0.01
 """Largest power that errors of the viscous operators add to a fluid of varying viscosity in a resolved sample, over the
 dissipation. The error of the velocity in pipes is one to two times this ratio (docs/evidence/stability.md).
@@ -153,6 +157,10 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
         return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
+    if snapshot.backflow is not None and snapshot.backflow > LARGEST_BACKFLOW * scene.reference_velocity:
+        found = snapshot.backflow / scene.reference_velocity
+        text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
+        return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
     if snapshot.added_power is not None and snapshot.added_power > LARGEST_ADDED_POWER:
         found = snapshot.added_power
         text = f"errors of the viscous force, where the viscosity jumps, do {found:.2g} of the dissipation"

@@ -112,6 +112,7 @@ def unit_label(kind: str, units: Any) -> str:
         "time": time,
         "rate": f"1/{time}",
         "flow_rate": f"{length}³/{time}",
+        "planar_flow_rate": f"{length}²/{time}",
         "force": "N/m" if pascal else f"{mass}/{time}²",
         "energy": f"{length}²/{time}²",
         "whole_force": "N" if pascal else f"{mass} {length}/{time}²",

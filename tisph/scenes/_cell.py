@@ -224,6 +224,11 @@ class Cell(BodyScene):
         return ("gravity", "acceleration", self.gravity) if any(self.gravity) else super().drive_shown
 
     @property
+    def solids(self) -> tuple[Body, ...]:
+        """All bodies and walls, without open ends."""
+        return self.bodies
+
+    @property
     def area(self) -> float:
         """Area of the cell, fluid and bodies."""
         return float(np.prod(self.size))
@@ -346,7 +351,7 @@ class Cell(BodyScene):
         return self._gap(self.start_time, POINTS)
 
     def _gap(self, t: float, points: int) -> tuple[float, str]:
-        gap, pair = smallest_gap(self.bodies, t, points)
+        gap, pair = smallest_gap(self.solids, t, points)
         if pair is None:
             return math.inf, ""
         one, other = map(self._named, pair)
@@ -372,7 +377,7 @@ class Cell(BodyScene):
         """
         found: dict[str, float | None] = {}
         bodies = snapshot.bodies
-        for index, (name, body) in enumerate(zip(self.names, self.bodies, strict=True)):
+        for index, (name, body) in enumerate(zip(self.names, self.solids, strict=False)):
             whole: tuple = (None,) * 3
             pressure = whole
             if bodies is not None:

@@ -4,12 +4,14 @@
 pressures of both ends.
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from tisph.geometry.body import Body
 from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, InletProfile, OpenEnd, Outlet
@@ -17,8 +19,11 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
-from tisph.scenes._cell import Cell
+from tisph.measures.fits import local_fits, periodic_tree, with_walls
+from tisph.scenes._cell import LOADS, Cell
 from tisph.scenes._scene import LEAST_JITTER
+from tisph.scenes._views import TimeSeries, planar_diagnostics
+from tisph.snapshot import Snapshot
 
 
 def course_of(given: Any) -> Any:
@@ -32,20 +37,25 @@ def course_of(given: Any) -> Any:
     return Course(given.velocity or 0.0, wave)
 
 
-def parabola(low: float, high: float) -> InletProfile:
-    """Return the parabola 6 s (1 - s), s = (y - low)/(high - low)."""
-    width = high - low
-    return InletProfile(
-        lambda y: 6.0 * (y - low) * (high - y) / width**2, lambda y: 6.0 * (low + high - 2.0 * y) / width**2
-    )
-
-
 def profile_of(config: Any, low: float, high: float) -> InletProfile:
     """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
-    given = config.ends.inlet.profile
-    if given == "uniform":
-        return InletProfile(np.ones_like, np.zeros_like)
-    return parabola(low, high)
+    value = Polynomial([1.0])
+    if config.ends.inlet.profile != "uniform":
+        part = Polynomial([-low, 1.0]) / (high - low)
+        value = 6.0 * part * (1.0 - part)
+    return InletProfile(value, value.deriv())
+
+
+@dataclass(frozen=True)
+class InletFlow:
+    """The flow of an inlet with this ``profile`` everywhere, with the ``velocity`` along x."""
+
+    profile: InletProfile
+    velocity: float
+
+    def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the velocities (2, ...) along x and y."""
+        return np.stack([self.velocity * self.profile.value(y), 0.0 * x])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +77,8 @@ class Stream(Cell):
             sides[1]: Outlet(places[sides[1]]),
         }
         bodies = bodies_of(config, walls)
-        developed = (lambda x, y: np.stack([profile.value(y), 0.0 * y]) * course.velocity(0.0)) if config.initial.state == "developed" else None
+        along = float(course.velocity(0.0)) * places[sides[0]].normal[0]
+        developed = InletFlow(profile, along) if config.initial.state == "developed" else None
         return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
 
     @cached_property
@@ -97,10 +108,149 @@ class Stream(Cell):
 
     @property
     def driven_wall(self) -> float:
-        """Speed of the fastest body or wall, or the largest mean velocity through the inlet."""
+        """Speed of the fastest body, or the largest mean velocity through the inlet."""
         return max(super().driven_wall, self.inlet.course.largest_speed)
 
     @property
     def jump_times(self) -> tuple[float, ...]:
         """Times at which the acceleration of the inflow jumps."""
         return self.inlet.course.jump_times
+
+    @cached_property
+    def reference_length(self) -> float:
+        """Height of the largest body in its initial orientation; the width of the inlet without bodies."""
+        return super().reference_length if self.count else self.inlet.shape.length
+
+    @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """See ``Scene.drive_shown``."""
+        along = self.inlet.course.largest_speed * self.inlet.shape.normal[0]
+        return "inlet", "velocity", (float(along), 0.0)
+
+    @property
+    def flow_quantities(self) -> tuple[str, ...]:
+        """Loads on bodies, the pressure drop, and where the flow along a stepped wall separates and reattaches."""
+        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in LOADS]
+        places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
+        return (*loads, "pressure_drop", *places)
+
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
+        return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
+
+    @property
+    def solids(self) -> tuple[Body, ...]:
+        """Bodies and walls, without the ends."""
+        return self.bodies[:-2]
+
+    def velocities(self, snapshot: Snapshot) -> dict[str, float]:
+        """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``."""
+        rates: Any = snapshot.flow_rates
+        inflow, outflow = (0.0, 0.0) if rates is None else (float(rates[0]), -float(rates[1]))
+        at_ends = [float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean()) for body in self.bodies[-2:]]
+        return {"inflow": inflow, "outflow": outflow, "pressure_drop": at_ends[0] - at_ends[1]}
+
+    def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
+        """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them."""
+        if not np.isfinite(snapshot.pressure).all():
+            return np.full(len(points), np.nan)
+        tree, _ = periodic_tree(self, np.stack([snapshot.x, snapshot.y], axis=1).astype(float))
+        return local_fits(tree, points, snapshot.pressure[:, None].astype(float), 2)[0][:, 0, 0]
+
+    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
+        """Return ``loads``, their coefficients, flow rates, pressures and ``planar_diagnostics`` by name.
+
+        ``drag_coefficient`` and ``lift_coefficient``: 2 F/(density U^2 d) with the reference velocity U and the
+        height d of the body. ``pressure_difference``: at the first point of a body along x minus at the last.
+        ``mass_imbalance``: inflow minus outflow over the flow rate of the reference velocity. ``backflow``: largest
+        velocity into the fluid at the outlet over the reference velocity. ``separation_bottom`` and
+        ``reattachment_bottom``: the first and last place x where the flow along a stepped wall changes its direction.
+        """
+        found = {**self.loads(snapshot), **self.velocities(snapshot)}
+        for name, body in zip(self.names[: self.count], self.bodies, strict=False):
+            pressure = self.density * self.reference_velocity**2 * float(np.ptp(body.shape.extent[:, 1])) / 2.0
+            for kind in LOADS[:2]:
+                load = found[f"{kind}{name}"]
+                found[f"{kind}_coefficient{name}"] = None if load is None else load / pressure
+            outline = body.boundary_points(0.1 * self.spacing, snapshot.t).point
+            ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
+            found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
+        scale = self.reference_velocity * self.inlet.shape.length
+        found["mass_imbalance"] = (found["inflow"] - found["outflow"]) / scale
+        found["backflow"] = (snapshot.backflow or 0.0) / self.reference_velocity
+        return {**found, **self._turns(snapshot), **planar_diagnostics(self, snapshot)[1]}
+
+    @property
+    def _stepped(self) -> list[str]:
+        """Sides of the walls that are no planes."""
+        return [name[1:] for name, body in self._walls if not isinstance(body.shape, Line)]
+
+    @property
+    def _walls(self) -> list[tuple[str, Body]]:
+        return list(zip(self.names, self.bodies, strict=True))[self.count : -2]
+
+    def _turns(self, snapshot: Snapshot) -> dict[str, float | None]:
+        """Return the places where the flow along stepped walls separates from them, and reattaches."""
+        found: dict[str, float | None] = {}
+        positions, velocity = with_walls(self, snapshot)
+        if not self._stepped or not (np.isfinite(positions).all() and np.isfinite(velocity).all()):
+            return found
+        tree, _ = periodic_tree(self, positions)
+        for name, body in self._walls:
+            if name[1:] not in self._stepped:
+                continue
+            boundary = body.boundary_points(0.5 * self.spacing)
+            order = np.argsort(boundary.point[:, 0], kind="stable")
+            point, normal = boundary.point[order], boundary.normal[order]
+            fits, radius = local_fits(tree, point, velocity, 4)
+            slopes = fits[:, 1:3] / radius[:, :, None]  # (points, along x or y, u or v)
+            across = np.einsum("pk,pkc->pc", normal, slopes)
+            along = across[:, 0] * np.abs(normal[:, 1]) - across[:, 1] * normal[:, 0] * np.sign(normal[:, 1])
+            flat = np.abs(normal[:, 1]) > 0.7
+            x, along = point[flat, 0], along[flat] * self.inlet.shape.normal[0]
+            for kind, signs, last in (("separation", along[:-1] > 0.0, False), ("reattachment", along[:-1] < 0.0, True)):
+                turns = np.flatnonzero(signs & (along[:-1] * along[1:] < 0.0))
+                k = turns[-1 if last else 0] if len(turns) else None
+                place = None if k is None else float(x[k] + (x[k + 1] - x[k]) * along[k] / (along[k] - along[k + 1]))
+                found[f"{kind}_{name[1:]}"] = place
+        return found
+
+    def time_series(self) -> TimeSeries:
+        """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop."""
+        chosen = self.names[: self.count] or tuple(name for name, _ in self._walls)
+        forces = [f"{kind}{name}" for name in chosen for kind in LOADS[:2]]
+        flows = ["inflow", "outflow", "pressure_drop"]
+        force, speed = self.force_scale, self.reference_velocity
+        rate = speed * self.inlet.shape.length
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            found = {**self.loads(snapshot), **self.velocities(snapshot)}
+            return np.array([np.nan if found[name] is None else found[name] for name in (*forces, *flows)])
+
+        return TimeSeries(
+            content="forces of the fluid on bodies, flow rates and the pressure drop, over time t",
+            name="force per length",
+            unit="force",
+            scale=force,
+            columns=[*forces, *flows],
+            labels=[*((name.replace("_", " "), None) for name in (*forces, *flows))],
+            measure=measure,
+            sizes=[*(force for _ in forces), rate, rate, self.density * speed**2],
+            panels=[
+                *((f"{name.partition('_')[0]} per length", "force") for name in forces),
+                *2 * [("flow rate per length", "planar_flow_rate")],
+                ("pressure drop", "stress"),
+            ],
+        )
+
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
+        length, time, course = self.units.length, self.units.time, self.inlet.course
+        text = f"mean velocity up to {course.largest_speed:.6g} {length}/{time} over {self.inlet.shape.length:.6g} {length}"
+        return [*super().parameters(), ("inlet", text)]
+
+    def _cause(self) -> tuple[bool, str]:
+        """Return whether the reference velocity is known exactly, and its cause in words."""
+        if not self.given_velocity and self.velocity_scale == self.inlet.course.largest_speed:
+            return True, "the mean velocity through the inlet"
+        return super()._cause()

@@ -29,7 +29,7 @@ from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
 from tisph.runtime import integer, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
-from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
+from tisph.schemes._two_dimensional.wall_boundary import LOAD_LEVELS, WallBoundary
 from tisph.solvers.stokes import WallRows
 
 AWAY, ALONG = (
@@ -59,6 +59,7 @@ class OpenWallBoundary(WallBoundary):
         self.first = problem.n_fluid + self.of_outlet[0]
         self.outlet = integer(self.first)
         self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]]
+        self.outflows: list[list[float]] = []
         self.passages = np.zeros(problem.n_fluid, dtype=int)
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
         self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
@@ -75,6 +76,7 @@ class OpenWallBoundary(WallBoundary):
         self.replaced = None
         self.due = np.zeros(len(self.due))
         self.passages[...] = 0
+        self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
         self.v_slope = np.zeros(len(self.of_inlets))
         rest = [np.zeros((len(self.of_outlet), field.n)) for field in self.carried_fields]
@@ -172,8 +174,29 @@ class OpenWallBoundary(WallBoundary):
             self.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
 
+    def through_ends(self, time: float, weights: TimeWeights, offset: float, created: np.ndarray) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name; ``created``: order of the particles."""
+        *_, inlet, outlet = self.walls.bodies
+        level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
+        outflow, backflow = level_weights @ np.array(self.outflows)
+        rates = np.array([float(inlet.course.velocity(time)) * inlet.shape.length, -outflow])
+        return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages[created]}
+
+    def measure_outflow(self) -> None:
+        """Store the flow rate out of the outlet, the integral of a cubic spline, and the largest backflow."""
+        from scipy.interpolate import CubicSpline
+
+        outlet = self.walls.bodies[-1]
+        speed = -(self.outlet_velocity[:, :2] @ outlet.shape.normal)
+        along = np.cumsum(self.walls.length[self.of_outlet]) - 0.5 * self.walls.length[self.of_outlet]
+        width = outlet.shape.length
+        curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
+        levels = [float(curve.integrate(0.0, width)), float(-speed.min())]
+        self.outflows = [levels, *self.outflows][:LOAD_LEVELS]
+
     def store_ends(self) -> None:
         """Store the time levels at the ends, with their gradients."""
+        self.measure_outflow()
         chosen = np.arange(self.first, self.problem.particles)
         fields = [view(field).astype(float) for field in self.carried_fields]
         self.levels_at_outlet = [(values[chosen], self.slopes(chosen, values)) for values in fields]
@@ -255,7 +278,7 @@ class OpenWallBoundary(WallBoundary):
         arrays = {"outlet_velocity": self.outlet_velocity, "v_slope": self.v_slope, "passages": self.passages}
         arrays["due"] = self.due
         levels = [[part.tolist() for part in pair] for pair in self.levels_at_outlet]
-        return {**super().host_state(), **{name: array.tolist() for name, array in arrays.items()}, "ends": levels}
+        return {**super().host_state(), **{name: array.tolist() for name, array in arrays.items()}, "ends": levels, "outflows": self.outflows}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
@@ -263,3 +286,4 @@ class OpenWallBoundary(WallBoundary):
         names = "outlet_velocity", "v_slope", "passages", "due"
         self.outlet_velocity, self.v_slope, self.passages, self.due = (np.array(state[name]) for name in names)
         self.levels_at_outlet = [(np.array(values), np.array(slopes)) for values, slopes in state["ends"]]
+        self.outflows = state["outflows"]

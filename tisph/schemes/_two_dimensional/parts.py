@@ -195,6 +195,10 @@ class Boundary:
         """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
         return None
 
+    def through_ends(self, time: float, weights: TimeWeights, offset: float, created: np.ndarray) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name; ``created``: order of the particles."""
+        return {}
+
     @property
     def load_scatter(self) -> tuple[float, int] | None:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""

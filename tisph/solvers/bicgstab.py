@@ -134,9 +134,8 @@ class BiCGStab:
         result = self.sigma[None] - self.coefficient[None] * self.operators.diagonal[i]
         if ti.static(self.has_outlet):
             if i >= self.points.n_fluid[None]:
-                part = self.outlet_part(i)  # of one-sided derivatives a diagonal entry may be next to 0
-                result = part * ti.max(-self.operators.diagonal[i], 1.0 / self.outlet_area[None])
-                result = ti.select(part > 0.0, result, 1.0)
+                part = self.outlet_part(i)
+                result = ti.select(part > 0.0, -part * self.operators.diagonal[i], 1.0)
         return result
 
     @ti.func

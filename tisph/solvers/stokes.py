@@ -24,7 +24,7 @@ u = (sigma - nu L)^-1 (r - G p). Both inverses are one cycle of two levels, an a
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -95,8 +95,8 @@ class WallRows:
     """Equations at the points on walls: ``normal`` (count, 2) into the fluid and ``weight`` (count,) of a row.
 
     ``open_walls`` (count,) and ``open_fluid`` (fluid,): parts of the equations that hold where gaps between bodies
-    close; 1 elsewhere. ``strain``: function of velocities and their derivatives at the points, 2 D. ``outlet``: number
-    of the last points, at an open end with nu du/dn = (p - S_yy) n for the normal stress S_yy of a polymer.
+    close; 1 elsewhere. ``strain``: function of velocities and their derivatives at the points, 2 D. ``outlet``: of
+    the last points, at an open end, the factors of du/dx in their rows of the Laplacian; it may be empty.
     """
 
     normal: np.ndarray
@@ -104,7 +104,7 @@ class WallRows:
     open_walls: np.ndarray
     open_fluid: np.ndarray
     strain: Any
-    outlet: int = 0
+    outlet: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
 class StokesSolver:
@@ -163,25 +163,24 @@ class StokesSolver:
         self.to_fluid, self.to_nodes = self.spread[:fluid], self.spread.T.tocsr()
         self.around = np.asarray(self.to_fluid.sum(axis=0)).ravel()
         self.means = (diags(1.0 / np.maximum(self.around, FEW_AROUND)) @ self.to_fluid.T).tocsr()
-        if rows.outlet:
+        if len(rows.outlet):
             self.set_outlet()
 
     def set_outlet(self) -> None:
         """Set the matrices by which velocities and pressures at the outlet follow from the others."""
         from scipy.sparse.linalg import splu
 
-        self.last = self.n - self.rows.outlet
-        slopes = self.wall_laplacian[-self.rows.outlet :]
-        self.others_slope, self.outlet_y = slopes[:, : self.last], self.d_dy[self.last :]
-        self.outlet_slope = splu(slopes[:, self.last :].tocsc())
-        self.outlet_x = (self.rows.weight * self.rows.normal[:, 0])[-self.rows.outlet :]
+        self.last = self.n - len(self.rows.outlet)
+        rows = self.wall_laplacian[self.last - self.fluid :]
+        self.others_row, self.outlet_y = rows[:, : self.last], self.d_dy[self.last :]
+        self.outlet_row = splu(rows[:, self.last :].tocsc())
 
     def complete(self, velocity: np.ndarray) -> np.ndarray:
         """Set a ``velocity`` (components, points) at the outlet by (13), in place; return du/dx (count,) there."""
         u, v = velocity[0], velocity[1]
-        v[self.last :] = self.outlet_slope.solve(-(self.others_slope @ v[: self.last]))
+        v[self.last :] = self.outlet_row.solve(-(self.others_row @ v[: self.last]))
         change = -(self.outlet_y @ v)
-        u[self.last :] = self.outlet_slope.solve(self.outlet_x * change - self.others_slope @ u[: self.last])
+        u[self.last :] = self.outlet_row.solve(self.rows.outlet * change - self.others_row @ u[: self.last])
         return change
 
     def set_step(self, sigma: float, viscosity: np.ndarray) -> None:
@@ -237,7 +236,7 @@ class StokesSolver:
         velocity[:, : self.fluid] = unknowns[:count].reshape(self.components, -1)
         velocity[:, self.fluid :] = self.of_walls(others) + given * self.given
         pressure = unknowns[count : count + self.n]
-        if self.rows.outlet:
+        if len(self.rows.outlet):
             change = self.complete(velocity)
             pressure[self.last :] = self.viscosity[self.last :] * change + given * self.outlet_stress
         return velocity, pressure, others
@@ -270,7 +269,7 @@ class StokesSolver:
         pushed = self.along[0] * acceleration[0] + self.along[1] * acceleration[1]
         wanted = rows.open_walls * (pushed - self.viscosity[fluid:] * curl)
         continuity[fluid:] = self.tau[fluid:] * wanted - continuity[fluid:]
-        if rows.outlet:
+        if len(rows.outlet):
             at_outlet = slice(self.fluid * self.components + self.last, self.fluid * self.components + self.n)
             continuity[self.last :] = pressure[self.last :] - (unknowns / self.units)[at_outlet]
         else:
@@ -330,20 +329,20 @@ class StokesSolver:
         fluid = self.fluid
         phi = np.concatenate([continuity[:fluid], np.zeros(self.n - fluid)])
         wanted = continuity[fluid:] / (self.tau * self.viscosity)[fluid:]
-        walls = slice(fluid, self.n - self.rows.outlet)
+        walls = slice(fluid, self.n - len(self.rows.outlet))
         number = walls.stop - fluid
         for _ in range(1 + WALL_SWEEPS):
             phi[walls] += (wanted - self.wall_laplacian @ phi)[:number] / self.diagonal[walls]
         pressure = self.viscosity * phi
         if self.sigma:
-            mean = 0.0 if self.rows.outlet else continuity[:fluid].mean()
+            mean = 0.0 if len(self.rows.outlet) else continuity[:fluid].mean()
             right = np.concatenate([continuity[:fluid] - mean, np.zeros(self.n - fluid)])
             smooth = self.spread @ self.grid.invert_pressure(self.to_nodes @ right)
             smooth[walls.stop :] = 0.0
             smooth[:fluid] -= DAMPING * (right[:fluid] + self.fluid_laplacian @ smooth) / self.diagonal[:fluid]
             smooth[walls] -= (self.wall_laplacian @ smooth)[:number] / self.diagonal[walls]
             pressure += self.sigma * smooth
-        if not self.rows.outlet:
+        if not len(self.rows.outlet):
             return pressure - pressure.mean()
         pressure[walls.stop :] = continuity[walls.stop :]
         return pressure
@@ -359,7 +358,7 @@ class StokesSolver:
         """Return the residual of (9) with velocities (components, fluid) that are 0 on walls."""
         whole = np.zeros((self.components, self.n))
         whole[:, : self.fluid] = velocity
-        if self.rows.outlet:
+        if len(self.rows.outlet):
             self.complete(whole)
         by_y = [self.fluid_y @ each for each in whole] if self.axisymmetric else []
         return momentum - self.viscous(whole, by_y)

@@ -41,6 +41,16 @@ DEGREE, AROUND = 4, 40
 """Degree of the polynomial, and number of points, from which a particle takes its time levels."""
 
 
+def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return factors (n, points) of values at points in the first coefficient of n least-squares fits.
+
+    ``basis`` (n, functions, points), ``weight`` (n, points).
+    """
+    weighted = basis * weight[:, None]
+    inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
+    return (inverse[:, :1] @ weighted)[:, 0]
+
+
 class OpenWallBoundary(WallBoundary):
     """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
 
@@ -103,6 +113,23 @@ class OpenWallBoundary(WallBoundary):
         self.velocity[self.of_outlet] = self.outlet_velocity
         self.newest_velocities[self.first :] = self.outlet_velocity
 
+    def impose_neumann_rows(self) -> None:
+        """Set the rows of the points; at the outlet u = sum_k w_k (u_k - du/dx x_k), w being fits with that slope.
+
+        The one-sided derivative itself has next to no part of u where no particle is near, and would not give it.
+        """
+        super().impose_neumann_rows()
+        chosen = np.arange(self.first, self.problem.particles)
+        table, listed = self.points.listed_neighbours(chosen)
+        place, support = view(self.points.position), self.support * self.problem.spacing * view(self.operators.support_factor)[chosen]
+        x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
+        weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
+        powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
+        rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
+        self.outlet_slope = support * (rows * x).sum(axis=1) / self.problem.spacing**2
+        view(self.operators.laplacian)[chosen] = rows / self.problem.spacing**2
+        view(self.operators.diagonal)[chosen] = -1.0 / self.problem.spacing**2
+
     def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
         table, listed = self.points.listed_neighbours(chosen)
@@ -143,10 +170,9 @@ class OpenWallBoundary(WallBoundary):
         change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
         viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
         view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_stress()
-        rows = view(self.weight)[chosen] * (viscosities / viscosity if viscosity else 1.0)
-        right = view(equations.velocity.b)[chosen]
-        right[...] = 0.0
-        right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * self.normals[self.of_outlet, 0] * change
+        rows = self.outlet_slope * (viscosities / viscosity if viscosity else 1.0)
+        right = np.zeros((len(chosen), self.levels.components))
+        right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
         view(equations.velocity.b)[chosen] = right
 
     def outlet_stress(self) -> np.ndarray:
@@ -157,7 +183,7 @@ class OpenWallBoundary(WallBoundary):
 
     def rows(self) -> WallRows:
         """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
-        return replace(super().rows(), outlet=len(self.of_outlet))
+        return replace(super().rows(), outlet=self.outlet_slope)
 
     def begin(self, equations: Equations) -> None:
         """Give the points their velocities after the start, and the equations their accelerations."""
@@ -250,9 +276,7 @@ class OpenWallBoundary(WallBoundary):
         apart = (tree.data[nearest] - places[:, None]) / radius[..., None]
         x, y = apart[..., 0], apart[..., 1]
         basis = np.stack([x**a * y**b for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a)], axis=1)
-        weighted = basis * ((1.0 - (distance / radius) ** 2) ** 2)[:, None]
-        inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
-        weights = (inverse[:, :1] @ weighted)[:, 0]
+        weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
         for field in (*self.carried_fields, self.levels.divergence):
             values = view(field)[sources[nearest]].astype(float)
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)

@@ -230,5 +230,6 @@ class Equations:
         for _ in range(1):
             total = 0.0
             for i in range(self.points.n_fluid[None]):
-                total += self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
+                square = self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
+                total += self.boundary.judged(i, square)
             self.difference_squared[None] = total

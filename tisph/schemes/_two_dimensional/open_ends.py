@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
-from tisph.runtime import integer, view
+from tisph.runtime import integer, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import LOAD_LEVELS, WallBoundary
@@ -36,6 +36,9 @@ AWAY, ALONG = (
     part.ravel() for part in np.meshgrid(LEAST_DISTANCE + np.arange(10) / 10, (np.arange(5) - 2) / 5, indexing="ij")
 )
 """Places at which a particle may enter, from a point of an end: distances from the end and along it, in spacings."""
+
+UNJUDGED = 5.0
+"""Distance from an end, in particle spacings, up to which the error of a step does not count."""
 
 DEGREE, AROUND = 4, 40
 """Degree of the polynomial, and number of points, from which a particle takes its time levels."""
@@ -51,6 +54,7 @@ def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return (inverse[:, :1] @ weighted)[:, 0]
 
 
+@ti.data_oriented
 class OpenWallBoundary(WallBoundary):
     """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
 
@@ -79,6 +83,15 @@ class OpenWallBoundary(WallBoundary):
     def carried_fields(self) -> tuple[Any, ...]:
         """Fields that particles carry from step to step."""
         return (self.levels.fields, *self.extra_stress.fields)
+
+    @ti.func
+    def judged(self, i, value):
+        """Return the part of a ``value`` at a particle that counts in the error of a step: none of it near an end."""
+        result = value
+        for end in ti.static(range(2)):
+            away = ti.abs(self.points.position[i].x - self.shift.ends[end]) * self.shift.per_spacing[None]
+            result = ti.select(away > UNJUDGED, result, 0.0)
+        return result
 
     def reset(self) -> None:
         """Return to the state before the first step."""

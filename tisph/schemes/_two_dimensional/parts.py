@@ -117,6 +117,11 @@ class Boundary:
         """Return the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
         return retained
 
+    @ti.func
+    def judged(self, i, value):
+        """Return the part of a ``value`` at a particle that counts in the error of a step: all of it."""
+        return value
+
     def reset(self) -> None:
         """Return to the state before the first step."""
 

@@ -178,7 +178,9 @@ def test_a_step_is_straight_parts_and_two_quarter_circles():
     assert np.allclose(STEP.extent, [[0.0, 0.0], [3.0, 0.5]], rtol=0, atol=1e-12)
     # above each straight part, on the diagonals of both arcs, and in the solid; beyond the ends the wall goes on
     away = math.sqrt(0.5) * np.array([1.0, 1.0])
-    places = np.array([[0.5, 0.6], [2.0, 0.3], (0.8, 0.3) + 0.3 * away, (1.2, 0.2) - 0.1 * away, [0.4, 0.2], [-0.1, 0.6]])
+    places = np.array(
+        [[0.5, 0.6], [2.0, 0.3], (0.8, 0.3) + 0.3 * away, (1.2, 0.2) - 0.1 * away, [0.4, 0.2], [-0.1, 0.6]]
+    )
     foot = STEP.nearest(places)
     assert np.allclose(foot.distance, [0.1, 0.3, 0.1, 0.1, -0.3, 0.1], rtol=0, atol=ROUNDING)
     assert np.allclose(foot.normal, [[0, 1], [0, 1], away, away, [0, 1], [0, 1]], rtol=0, atol=ROUNDING)

@@ -10,8 +10,12 @@ import tisph
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.geometry.body import Body
+from tisph.geometry.line import Line
+from tisph.geometry.outline import Outline
 from tisph.observers.samples import Description
 from tisph.observers.vtk import POLY_LINE, append_bodies, has_outlines
+from tisph.schemes._two_dimensional.wall_points import WallPoints
 from tisph.snapshot import Bodies
 
 STEP = """\
@@ -96,6 +100,18 @@ def test_files_for_paraview_have_the_outline_as_a_line(tmp_path):
     wall = scene.bodies[0].shape
     assert np.abs(wall.nearest(points[:, :2]).distance).max() < 1e-12
     assert np.ptp(points[:, 0]) == pytest.approx(2.0, abs=0.5 * scene.spacing)
+
+
+def test_walls_are_known_to_places_beside_a_sloped_end():
+    """The nearest place of the wall may then be beyond the end, where it has no points."""
+    bodies = [Body(Outline(((0.0, 0.6), (0.7, 0.3), (2.0, 0.3)), 0.2)), Body(Line((2.0, 1.0), (-1.0, 0.0), 2.0))]
+    places = np.stack([np.full(20, 0.02), np.linspace(0.6, 0.98, 20)], axis=1)
+    planes, distances, curvatures = WallPoints(bodies, 0.05, (0.0, 0.0)).nearest_walls(places, 0.0)
+    foot = bodies[0].nearest(places)
+    assert foot.point[:, 0].min() < -0.1
+    assert np.isfinite(planes).all()
+    assert (curvatures == 0.0).all()
+    assert np.array_equal(distances.min(axis=1), np.minimum(foot.distance, 1.0 - places[:, 1]))
 
 
 def test_flow_over_a_step_leaves_as_it_enters(tmp_path):

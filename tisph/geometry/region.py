@@ -78,7 +78,8 @@ PUSHES = 4
 class Region:
     """The fluid between ``bodies`` in the cell from ``low`` to ``high`` (2,), ``periodic`` (2,) along x and y or not.
 
-    Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
+    Where it is not periodic walls must bound it: lines, each one period long, and outlines, or a closed curve with the
+    fluid inside.
     All bodies are at their places at t = 0. In ``axisymmetric`` flow the region is in the half-plane above y = 0. The
     axis is among the ``bodies`` where the fluid reaches it; half of a closed curve on both sides of it counts.
     ValueError where a body in the fluid does not have the periods of the cell.

@@ -44,8 +44,6 @@ LEAST_RADIUS, LEAST_INSIDE = 2.5, 7.0
 """Distance from the centre of curvature, in particle spacings, from which on they do: with the body, or the fluid,
 around it. The support is 4.5 spacings and more, and the other side of the centre is no continuation of this one."""
 
-TINY = 1e-300
-
 MAX_WALLS = 2
 """Number of the nearest walls that count for a particle."""
 
@@ -233,7 +231,7 @@ class WallPoints:
             apart = foot.point[near][:, None] - boundary.point
             apart -= self.bodies[number].nearest_copy(apart)
             weight = np.maximum(1.0 - (apart**2).sum(axis=2) / (ALONG * self.spacing) ** 2, 0.0) ** 2
-            result[near] = weight @ bulging / np.maximum(weight.sum(axis=1), TINY)  # none beyond the ends of a wall
+            result[near] = weight @ bulging / np.maximum(weight.sum(axis=1), 1e-300)  # 0 beyond the ends of a wall
         return result
 
     def polar_map(

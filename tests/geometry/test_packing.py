@@ -11,6 +11,7 @@ from shapes import ELL, wavy
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
+from tisph.geometry.outline import Outline
 from tisph.geometry.packing import pack, random_centres
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.region import Region
@@ -46,6 +47,27 @@ REGIONS = {
     ),
     "curve": (Region((Body(Spline(wavy(24), "inside")), Body(Circle(0.3))), (-2, -2), (2, 2)), None, 1 / 15),
 }
+
+
+def between(bottom, top, length):
+    """The region between two outlines, or lines, and straight ends."""
+    (_, low), (_, right_low) = np.array(bottom.corners)[[0, -1]]
+    (_, right_high), (_, high) = np.array(top.corners)[[0, -1]]
+    ends = Line((0, high), (0, -1), high - low), Line((length, right_low), (0, 1), right_high - right_low)
+    return Region(tuple(map(Body, (bottom, top, *ends))), (0, 0), (length, 1))
+
+
+FLAT = Outline(((3.0, 1.0), (0.0, 1.0)))
+STEP = between(Outline(((0.0, 0.5), (1.0, 0.5), (1.0, 0.0), (3.0, 0.0)), 0.2), FLAT, 3.0)
+NOZZLE = between(
+    Outline(((0.0, 0.0), (1.0, 0.0), (2.0, 0.3), (3.0, 0.3)), 0.2),
+    Outline(((3.0, 0.7), (2.0, 0.7), (1.0, 1.0), (0.0, 1.0)), 0.2),
+    3.0,
+)
+RAMP = between(Outline(((0.0, 0.5), (1.0, 0.5), (3.0, 0.0)), 0.4), FLAT, 3.0)
+CUT = 0.4**2 * (math.tan(0.5 * math.atan(0.25)) - 0.5 * math.atan(0.25))
+OUTLINES = {"step": (STEP, 2.5), "nozzle": (NOZZLE, 2.1), "ramp": (RAMP, 2.0 + CUT)}
+
 regions = pytest.mark.parametrize(("region", "area", "spacing"), REGIONS.values(), ids=REGIONS)
 
 
@@ -83,6 +105,19 @@ def test_particles_are_as_many_as_fit_and_even(region, area, spacing, jitter):
     assert largest_hole(region, points, spacing) < (1.0 if jitter else 0.9) * spacing
     assert np.mean(distance[distance < 0.8]) == pytest.approx(0.5, abs=0.05)
     assert ((points >= region.low) & (points <= region.high)).all()
+
+
+@pytest.mark.parametrize(("region", "area"), OUTLINES.values(), ids=OUTLINES)
+def test_particles_fill_the_region_between_outlines(region, area):
+    """Of the step's and the nozzle's corners one fills as much as another takes off."""
+    assert region.area == pytest.approx(area, rel=1e-6)  # a sum of ten thousand pieces of the wall
+    points, spacing = pack(region, 1 / 30, 0.1, seed=2), 1 / 30
+    distance = region.distance(points) / spacing
+    assert len(points) == round(area / spacing**2)
+    assert distance.min() >= 0.25 * (1 - 1e-9)
+    assert nearest_two(region, points) > 0.6 * spacing
+    assert largest_hole(region, points, spacing) < 1.0 * spacing
+    assert np.mean(distance[distance < 0.8]) == pytest.approx(0.5, abs=0.05)
 
 
 def test_jitter_moves_particles_by_about_its_size_and_by_its_seed():

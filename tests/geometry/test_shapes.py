@@ -13,6 +13,7 @@ from tisph import cli
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
+from tisph.geometry.outline import Outline
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.shape import centroid, polar_moment
 from tisph.geometry.spline import Spline
@@ -167,6 +168,56 @@ def test_polygon_in_closed_form():
     assert np.allclose(rounded.extent, [[0, 0], [2, 3]])
 
 
+STEP = Outline(((0.0, 0.5), (1.0, 0.5), (1.0, 0.0), (3.0, 0.0)), 0.2)
+BOX = RANDOM.uniform((0.0, -0.2), (3.0, 1.0), (300, 2))
+
+
+def test_a_step_is_straight_parts_and_two_quarter_circles():
+    assert STEP.length == pytest.approx(3.5 + 0.2 * (np.pi - 4), rel=1e-12)
+    assert (STEP.area, STEP.smallest_radius, STEP.convex_radius) == (0.0, 0.2, 0.2)
+    assert np.allclose(STEP.extent, [[0.0, 0.0], [3.0, 0.5]], rtol=0, atol=1e-12)
+    # above each straight part, on the diagonals of both arcs, and in the solid; beyond the ends the wall goes on
+    away = math.sqrt(0.5) * np.array([1.0, 1.0])
+    places = np.array(
+        [[0.5, 0.6], [2.0, 0.3], (0.8, 0.3) + 0.3 * away, (1.2, 0.2) - 0.1 * away, [0.4, 0.2], [-0.1, 0.6]]
+    )
+    foot = STEP.nearest(places)
+    assert np.allclose(foot.distance, [0.1, 0.3, 0.1, 0.1, -0.3, 0.1], rtol=0, atol=ROUNDING)
+    assert np.allclose(foot.normal, [[0, 1], [0, 1], away, away, [0, 1], [0, 1]], rtol=0, atol=ROUNDING)
+    assert np.allclose(foot.curvature, [0.0, 0.0, 5.0, -5.0, 0.0, 0.0], rtol=1e-12)
+
+
+def test_no_point_of_an_outline_is_nearer():
+    fine = STEP.boundary_points(STEP.length / 4000)
+    distance = np.abs(STEP.nearest(BOX).distance)
+    brute = np.linalg.norm(BOX[:, None] - fine.point, axis=2).min(axis=1)
+    assert (distance <= brute + ROUNDING).all()
+    assert (brute <= distance + 0.5 * fine.length.max() + ROUNDING).all()
+
+
+@pytest.mark.parametrize("shape", [STEP, Outline(((3.0, 0.2), (2.0, 0.2), (0.0, 1.0)), 0.3)])
+def test_points_of_an_outline_are_even_from_its_first_corner(shape):
+    points, (first, last) = shape.boundary_points(0.03), np.array(shape.corners)[[0, -1]]
+    part = points.length[0]
+    apart = np.linalg.norm(np.diff(points.point, axis=0), axis=1)
+    assert points.length.sum() == pytest.approx(shape.length, rel=1e-12)
+    assert np.linalg.norm(points.point[0] - first) == pytest.approx(0.5 * part, rel=1e-9)
+    assert np.linalg.norm(points.point[-1] - last) == pytest.approx(0.5 * part, rel=1e-9)
+    assert (apart < part * (1 + 1e-9)).all()
+    assert (apart > part * (1 - (part / shape.corner_radius) ** 2 / 24 - 1e-9)).all()  # chords of arcs
+    tangent = np.diff(points.point, axis=0) / apart[:, None]
+    left = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    assert (np.sum(left * points.normal[:-1], axis=1) > 0.9).all()  # the fluid is on the left
+
+
+def test_an_outline_without_corners_is_a_line():
+    wall, line = Outline(((0.0, 0.2), (3.0, 0.5)), 0.1), Line((0.0, 0.2), (3.0, 0.3), math.hypot(3.0, 0.3))
+    assert wall.smallest_radius == wall.convex_radius == math.inf
+    one, other = wall.nearest(BOX), line.nearest(BOX)
+    assert np.abs(one.point - other.point).max() < ROUNDING
+    assert np.abs(one.distance - other.distance).max() < ROUNDING
+
+
 def test_a_square_with_the_largest_radius_is_a_circle():
     square = Polygon(((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), 1.0)
     circle = Circle(1.0)
@@ -245,6 +296,13 @@ REFUSED = {
     "two points": (lambda: Spline(((0, 0), (1, 0))), "needs three points"),
     "closed twice": (lambda: Spline(((0, 0), (1, 0), (1, 1), (0, 0))), "must be two places"),
     "eight": (lambda: Spline(((0, 0), (1, 1), (2, 0), (1, -0.1), (0, 1), (-1, 0.5))), "meets itself near"),
+    "backwards": (lambda: Outline(((0, 0), (2, 0), (2, 1), (1, 1))), "between the ends of the wall, x = 0 and 1"),
+    "upright": (lambda: Outline(((0, 0), (0, 1))), "between the ends of the wall"),
+    "arc beyond an end": (
+        lambda: Outline(((0, 0), (0.1, 0), (0.1, 1), (1, 1)), 0.2),
+        "beyond an end of the wall: at most 0.1",
+    ),
+    "step too low": (lambda: Outline(((0, 0), (1, 0), (1, 0.3), (2, 0.3)), 0.2), "do not fit: at most 0.15"),
     "no direction": (lambda: Line((0, 0), (0, 0)), "a tangent with a direction"),
     "no period": (lambda: Line().boundary_points(0.1), "give it a length"),
     "no spacing": (lambda: Circle(1.0).boundary_points(0.0), "a spacing above 0"),

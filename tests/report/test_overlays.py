@@ -12,6 +12,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.outline import Outline
 from tisph.geometry.polygon import Polygon
 from tisph.report import style
 from tisph.report.field import Dye, FieldGrid
@@ -310,6 +311,17 @@ def positions(layout):
     """Return x and y of the middles of all pixels."""
     rows, columns = np.mgrid[: layout.box.height, : layout.box.width] + 0.5
     return layout.low[0] + columns / layout.pixels_per_length, layout.high[1] - rows / layout.pixels_per_length
+
+
+def test_the_solid_behind_an_outline_is_drawn():
+    corners = ((-1.0, 0.8), (-0.4, 0.8), (-0.4, 1.5), (SIDE - 1.0, 1.5))
+    for body in (Body(Outline(corners, 0.2)), Body(Outline(corners[::-1], 0.2))):
+        layout, painted, _ = paint_bodies(make_scene(body, periodic=False))
+        points = np.stack(positions(layout), axis=2)
+        distance = body.nearest(points.reshape(-1, 2)).distance.reshape(painted.shape) * layout.pixels_per_length
+        between = np.abs(points[:, :, 0]) < 0.99  # beyond are the ends of the channel
+        assert painted[between & (distance < -1.5)].all()
+        assert not painted[between & (distance > 1.5)].any()
 
 
 def drawn_as(body, layout, painted, time):

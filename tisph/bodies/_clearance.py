@@ -74,8 +74,8 @@ def _too_small(shaped_by: str, shape: Any, spacing: float, across: float) -> tup
 
 
 def _width(shape: Any) -> float:
-    """Return the smallest distance of two parallel lines around a body; infinity for a wall around the fluid."""
-    if shape.fluid_side == "inside":
+    """Return the smallest distance of two parallel lines around a body; infinity for a wall, without an inside."""
+    if shape.fluid_side == "inside" or not shape.area:
         return math.inf
     angle = np.pi / 180 * np.arange(180)
     along = shape.boundary_points(shape.length / 1000).point @ np.stack([np.cos(angle), np.sin(angle)])

@@ -231,6 +231,8 @@ def _least_distance(one: Body, other: Body, time: float, points: int) -> float:
     """Return the least distance of points of ``one`` from ``other``, by a parabola through the three least values."""
     distance = other.nearest(one.boundary_points(one.shape.length / points, time).point, time).distance
     k = int(np.argmin(distance))
+    if not 0 < k < len(distance) - 1 and one.shape.smallest_radius < math.inf and not one.shape.area:
+        return float(distance[k])  # at an end of a wall with corners, whose points go on nowhere
     before, least, after = distance[k - 1], distance[k], distance[(k + 1) % len(distance)]
     bend = before - 2 * least + after
     return float(least - (after - before) ** 2 / (8 * bend)) if bend > 0 else float(least)

@@ -67,6 +67,9 @@ def nearest_image(difference: np.ndarray, period: float | Sequence[float] | np.n
     return difference - period * np.round(difference / np.where(period > 0, period, math.inf))
 
 
+PIECES = 10_000
+"""Pieces of a wall with corners over which integrals along it are sums; arcs then have errors below 1e-6."""
+
 PUSHES = 4
 """Most rounds in which places are moved off walls: in a corner one wall may push towards the other."""
 
@@ -75,7 +78,8 @@ PUSHES = 4
 class Region:
     """The fluid between ``bodies`` in the cell from ``low`` to ``high`` (2,), ``periodic`` (2,) along x and y or not.
 
-    Where it is not periodic walls must bound it: lines, each one period long, or a closed curve with the fluid inside.
+    Where it is not periodic walls must bound it: lines, each one period long, and outlines, or a closed curve with the
+    fluid inside.
     All bodies are at their places at t = 0. In ``axisymmetric`` flow the region is in the half-plane above y = 0. The
     axis is among the ``bodies`` where the fluid reaches it; half of a closed curve on both sides of it counts.
     ValueError where a body in the fluid does not have the periods of the cell.
@@ -109,10 +113,9 @@ class Region:
         if all(self.periodic):
             area = float(np.prod(self.size))
         else:
-            # by Gauss: over straight walls, the sum of length times distance from any one point is the area of a strip
-            # between two of them, and twice the area of a box between four
-            lines = [body for body in self.bodies if not body.shape.area]
-            area = sum(body.shape.length * float(body.nearest(np.zeros((1, 2))).distance[0]) for body in lines)
+            # by Gauss: over walls with ends, the sum of length times distance from any one point is the area of a strip
+            # between two of them, and twice the area that they enclose
+            area = sum(_length_times_distance(body) for body in self.bodies if not body.shape.area)
             area /= 2 - sum(self.periodic)
         closed = [0.5 if self.axisymmetric and body.crosses_axis else 1.0 for body in self.bodies]
         signs = [1 if body.shape.fluid_side == "inside" else -1 for body in self.bodies]
@@ -145,3 +148,11 @@ class Region:
                 moved.append(which[near])
             which = np.unique(np.concatenate(moved)) if moved else which[:0]
         return points
+
+
+def _length_times_distance(wall: Body) -> float:
+    """Return the integral along a ``wall`` with ends of the distance of (0, 0) from its tangent."""
+    if wall.shape.smallest_radius == math.inf:
+        return wall.shape.length * float(wall.nearest(np.zeros((1, 2))).distance[0])
+    points = wall.boundary_points(wall.shape.length / PIECES)
+    return -float(points.length @ (points.point * points.normal).sum(axis=1))

@@ -1,8 +1,8 @@
 """The samples in a file for ParaView, written during the run: ``samples.vtkhdf``, and the bodies beside it.
 
 VTKHDF has snapshots as one UnstructuredGrid over time, each particle a vertex (VTK 9.3 and later, ParaView 5.12).
-Bodies are in a file of their own, each a polygon, or the line around the fluid in it. Vectors and tensors are in one
-piece, in three dimensions.
+Bodies are in a file of their own, each a polygon, or a line: around the fluid in it, or along a wall that is no plane.
+Vectors and tensors are in one piece, in three dimensions.
 
 https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format/index.html
 """
@@ -15,6 +15,7 @@ import h5py
 import numpy as np
 
 from tisph.geometry.body import Body, Placement
+from tisph.geometry.line import Line
 from tisph.measures.fits import vorticity
 from tisph.observers.protocol import StateObserver, Times
 from tisph.observers.samples import Description, Samples, Storage
@@ -111,9 +112,9 @@ def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
     """Append the bodies of ``snapshot`` as the next step: number and all fields of ``tisph.snapshot.Bodies``."""
     bodies, scene = snapshot.bodies, about.scene
     immersed: Sequence[Body] = scene.bodies
-    chosen = [index for index, body in enumerate(immersed) if body.shape.area]
+    chosen = [index for index, body in enumerate(immersed) if not isinstance(body.shape, Line)]
     outlines = [_outline(scene, immersed[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
-    kinds = [POLY_LINE if immersed[index].shape.fluid_side == "inside" else POLYGON for index in chosen]
+    kinds = [POLYGON if immersed[index].in_fluid else POLY_LINE for index in chosen]
     found = {name: np.asarray(values)[chosen] for name, values in vars(bodies).items() if values is not None}
     found = {name: np.pad(values, ((0, 0), (0, 1))) if values.ndim == 2 else values for name, values in found.items()}
     units = {name: about.units.get(name, "") for name in found}
@@ -135,7 +136,7 @@ def _outline(scene: Scene, body: Body, centre: np.ndarray, angle: float) -> np.n
 def has_outlines(scene: Scene) -> bool:
     """Return whether the scene has bodies other than straight walls."""
     bodies: Sequence[Body] = scene.bodies
-    return any(body.shape.area for body in bodies)
+    return any(not isinstance(body.shape, Line) for body in bodies)
 
 
 def beside(path: Path) -> Path:

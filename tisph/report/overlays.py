@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import Body, Placement
+from tisph.geometry.outline import Outline
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
 from tisph.report.layout import RIM, Layout
@@ -179,8 +180,22 @@ class _StraightWall:
         yield place.to_lab_frame(edge), [place.to_lab_frame(stroke) for stroke in strokes]
 
 
+class _OutlineWall(_ImmersedBody):
+    """A wall at rest from end to end of a channel; its edge encloses the solid behind it, as of a straight one."""
+
+    def __init__(self, body: Body, layout: Layout, mark: float):
+        super().__init__(body, layout, mark)
+        shape: Any = body.shape
+        first, last = np.array(shape.corners[0]), np.array(shape.corners[-1])
+        behind = np.array([0.0, -10.0 * (last[0] - first[0])])
+        self._strokes = [np.array([first, *self._edge, last])]
+        self._edge = np.array([*self._strokes[0], last + behind, first + behind])
+
+
 def _kind(body: Body) -> type[Any]:
     """Return the class of a body."""
+    if isinstance(body.shape, Outline):
+        return _OutlineWall
     if not body.shape.area:
         return _StraightWall
     return _ImmersedBody if body.shape.fluid_side == "outside" else _ContainerWall

@@ -17,6 +17,7 @@ from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
 from tisph.geometry.body import POINTS, Body, smallest_gap
+from tisph.geometry.ends import OpenEnd
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
@@ -101,11 +102,16 @@ def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] =
 def plane_walls(length: float, gap: float, walls: Any) -> dict[str, Body]:
     """Return the walls ``bottom`` at y = 0 and ``top`` at y = ``gap`` by name, with a period ``length`` along x.
 
-    ``walls``: a config section with ``bottom`` and ``top``, motions along x.
+    ``walls``: a config section with ``bottom`` and ``top``, motions along x. A wall with an ``outline`` has its shape.
     """
-    lines = {"bottom": Line((0.0, 0.0), (1.0, 0.0), length), "top": Line((length, gap), (-1.0, 0.0), length)}
-    motions = {name: RigidMotion(WallMotion.from_config(getattr(walls, name))) for name in lines}
-    return {name: Body(line, motion=motions[name]) for name, line in lines.items()}
+    shapes: dict[str, Any] = {
+        "bottom": Line((0.0, 0.0), (1.0, 0.0), length),
+        "top": Line((length, gap), (-1.0, 0.0), length),
+    }
+    given = {name: getattr(walls, name) for name in shapes}
+    shapes |= {name: wall.shape(name) for name, wall in given.items() if getattr(wall, "outline", None)}
+    motions = {name: RigidMotion(WallMotion.from_config(wall)) for name, wall in given.items()}
+    return {name: Body(shape, motion=motions[name]) for name, shape in shapes.items()}
 
 
 def planes(walls: dict[str, Body]) -> tuple[tuple[str, Any], ...]:
@@ -303,7 +309,8 @@ class Cell(BodyScene):
 
     def thinnest_layer(self, t: float) -> tuple[float, str]:
         """See ``Scene.thinnest_layer``: layers at walls that started at t = 0, oscillate, or face the flow."""
-        strain_rate = self.peak_velocity / self._smallest_radius[0]
+        radius = min((body.shape.convex_radius for body in self.bodies if body.shape.area), default=math.inf)
+        strain_rate = self.peak_velocity / radius
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
         layers = [(self.layer_depth(t), "the layer at bodies and walls"), (front, "the layer in front of a body")]
         for body in self.bodies:

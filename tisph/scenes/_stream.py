@@ -58,6 +58,13 @@ class InletFlow:
         return np.stack([self.velocity * self.profile.value(y), 0.0 * x])
 
 
+def heights_at(config: Any, side: str) -> tuple[float, float]:
+    """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel."""
+    walls, end = config.walls, 0 if side == "left" else -1
+    low, high = (wall.outline and wall.outline[end][1] for wall in (walls.bottom, walls.top))
+    return low or 0.0, config.geometry.gap if high is None else high
+
+
 @dataclass(frozen=True, kw_only=True)
 class Stream(Cell):
     """Flow through a channel from an inlet to an outlet; the ends are the last two bodies, the outlet after the inlet."""
@@ -69,9 +76,14 @@ class Stream(Cell):
 
         length, gap = config.geometry.length, config.geometry.gap
         walls = plane_walls(length, gap, config.walls)
-        places = {"left": Line((0.0, gap), (0.0, -1.0), gap), "right": Line((length, 0.0), (0.0, 1.0), gap)}
-        profile, course = profile_of(config, 0.0, gap), course_of(config.ends.inlet)
+        heights = {side: heights_at(config, side) for side in ("left", "right")}
+        (low, high), (right_low, right_high) = heights.values()
+        places = {
+            "left": Line((0.0, high), (0.0, -1.0), high - low),
+            "right": Line((length, right_low), (0.0, 1.0), right_high - right_low),
+        }
         sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
+        profile, course = profile_of(config, *heights[sides[0]]), course_of(config.ends.inlet)
         ends = {
             sides[0]: Inlet(places[sides[0]], profile=profile, course=course),
             sides[1]: Outlet(places[sides[1]]),

@@ -11,14 +11,14 @@ solution: the scene then is a cell between two walls (``_cell``). Runs without b
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, findings, refusals, refuse
 from tisph.config.ends import Ends
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, refusals
 from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.scenes._channel import SIDES, Channel
@@ -30,6 +30,14 @@ WallTreatment = Member("walls", usual="consistent_image")
 
 STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
 """Keys of a wall that make it stress-controlled."""
+
+OUTLINE_KEYS = ("outline", "corner_radius")
+"""Keys of a wall that is no plane."""
+
+PLACES = 1000
+"""Points on each wall from which the distance between a wall with an outline and the other one is computed."""
+
+Place = Annotated[tuple[Signed, Signed], Field(strict=False)]
 
 
 class Geometry(Model):
@@ -49,12 +57,16 @@ class Wall(WallMotion):
     Or a plate that starts from rest, of ``mass_per_area`` [mass/length^2] (default 0), under an external shear stress
     along x [mass/(length time^2)]: constant, ``shear_stress``; ``stress_amplitude`` with ``angular_frequency`` and
     ``phase``; or ``stresses``, each from one of the ``times`` on.
+
+    Or, between open ends, a wall at rest that is no plane: its ``outline`` is a polyline through places [x, y] from
+    x = 0 to x = length, with corners rounded by arcs of ``corner_radius`` [length].
     """
 
     speed_key = "velocity"
     other_keys = (*STRESS_KEYS, "velocities")
     exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS, "velocities")
-    unset_keys = ("velocity_before", "angular_frequency", "phase", "times", "mass_per_area")
+    shaped_by: ClassVar[str] = "corners"
+    unset_keys = ("velocity_before", "angular_frequency", "phase", "times", "mass_per_area", *OUTLINE_KEYS)
 
     velocity: Signed | None = None
     velocity_before: Signed | None = None
@@ -67,6 +79,8 @@ class Wall(WallMotion):
     stresses: Values | None = None
     velocities: Values | None = None
     mass_per_area: NonNegative | None = None
+    outline: Annotated[tuple[Place, ...], Field(strict=False, min_length=2, max_length=1000)] | None = None
+    corner_radius: Positive | None = None
 
     @property
     def stress_controlled(self) -> bool:
@@ -94,6 +108,26 @@ class Wall(WallMotion):
         if found:
             raise refusals([((key,), text, getattr(self, key)) for key, text in found])
         return self
+
+    @model_validator(mode="after")
+    def _check_outline(self) -> "Wall":
+        if self.outline is None:
+            refuse(findings(self, ("corner_radius",), "is only for a wall with an outline"))
+            return self
+        moves = [key for key in self.exclusive_keys if getattr(self, key)]
+        refuse(findings(self, (*moves, "velocity_before"), "is not for a wall with an outline: it is at rest"))
+        try:
+            self.shape("bottom")
+        except ValueError as error:
+            raise refusals([(("outline",), str(error), self.outline)]) from None
+        return self
+
+    def shape(self, side: str) -> Any:
+        """Return the ``Outline`` of the ``side`` bottom, below the fluid, or top; ValueError where it is impossible."""
+        from tisph.geometry.outline import Outline
+
+        corners = self.outline or ()
+        return Outline(corners if side == "bottom" else corners[::-1], self.corner_radius or 0.0)
 
 
 def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
@@ -188,6 +222,7 @@ class Config(schema.Config):
         if not self.parallel:
             yield from _problems_with_bodies(self)
             return
+        yield from _without_ends(self)
         if self.drive.gravity:
             yield "drive.gravity", "moves free bodies, and there are none: along the channel an acceleration drives it"
         yield from _driven(self)
@@ -296,6 +331,8 @@ def _problems_with_bodies(config: Config) -> Iterator[Problem]:
         if wall.velocities:
             yield f"walls.{side}.velocities", "is not for a channel with bodies: give velocity, or an amplitude"
             return
+    if not config.ends:
+        yield from _without_ends(config)
     moving = any(wall.amplitude for wall in sides.values())
     if config.initial.state != "rest" and (moving or config.fluid.rheology.type != "newtonian"):
         text = "must be rest with bodies in the channel, unless a Newtonian fluid and steady walls make it developed"
@@ -313,4 +350,38 @@ def _problems_with_bodies(config: Config) -> Iterator[Problem]:
         yield "probes", "are not for a channel with bodies, in which the forces on the bodies are recorded"
     walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
     named = {f"walls.{name}": wall for name, wall in walls.items()}
+    yield from _outlines(config, walls)
     yield from cell_problems(config, bodies_of(config, named), named)
+
+
+def _without_ends(config: Config) -> Iterator[Problem]:
+    """Yield an error for each wall with an outline in a channel without open ends."""
+    for side in SIDES:
+        if getattr(config.walls, side).outline:
+            text = "is only for a channel with open ends: give ends, an inlet and an outlet"
+            yield f"walls.{side}.outline", f"{text}; a periodic channel has planes"
+
+
+def _outlines(config: Config, walls: dict[str, Any]) -> Iterator[Problem]:
+    """Yield the errors of walls with outlines; ``walls`` are the bodies bottom and top."""
+    from tisph.bodies._clearance import size_problems
+
+    (length, gap), spacing = config.extent, config.spacing
+    given = {side: wall for side in SIDES if (wall := getattr(config.walls, side)).outline}
+    if given and config.initial.state == "developed":
+        yield "initial.state", "must be rest where a wall has an outline: no developed flow is known there"
+    for side, wall in given.items():
+        (first, last), heights = (wall.outline[0][0], wall.outline[-1][0]), [y for _, y in wall.outline]
+        if (first, last) != (0.0, length):
+            yield f"walls.{side}.outline", f"must lead from x = 0 to x = {length:g}, not from {first:g} to {last:g}"
+        if not 0.0 <= min(heights) <= max(heights) <= gap:
+            yield f"walls.{side}.outline", f"must be within the box of the channel: y from 0 to gap, {gap:g}"
+        yield from size_problems([(f"walls.{side}", wall, walls[side])], spacing, config.across)
+    if given:
+        least, pairs = checks.LEAST_PARTICLES_ACROSS * spacing, (("bottom", "top"), ("top", "bottom"))
+        points = {side: wall.boundary_points(wall.shape.length / PLACES).point for side, wall in walls.items()}
+        narrowest = min(float(walls[one].nearest(points[other]).distance.min()) for one, other in pairs)
+        if narrowest < least * (1.0 - 1e-3):
+            text = f"leaves a passage {narrowest:.4g} wide" if narrowest > 0.0 else "meets the other wall"
+            text = f"{text}: leave {checks.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
+            yield f"walls.{next(iter(given))}.outline", text

@@ -231,7 +231,7 @@ class WallPoints:
             apart = foot.point[near][:, None] - boundary.point
             apart -= self.bodies[number].nearest_copy(apart)
             weight = np.maximum(1.0 - (apart**2).sum(axis=2) / (ALONG * self.spacing) ** 2, 0.0) ** 2
-            result[near] = weight @ bulging / weight.sum(axis=1)
+            result[near] = weight @ bulging / np.maximum(weight.sum(axis=1), 1e-300)  # 0 beyond the ends of a wall
         return result
 
     def polar_map(

@@ -1,0 +1,129 @@
+"""A channel with open ends whose walls are no planes: its config, its ends and particles, and a short run."""
+
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+
+import tisph
+from tisph import scenes
+from tisph.config import load
+from tisph.errors import ConfigError
+from tisph.geometry.body import Body
+from tisph.geometry.line import Line
+from tisph.geometry.outline import Outline
+from tisph.observers.samples import Description
+from tisph.observers.vtk import POLY_LINE, append_bodies, has_outlines
+from tisph.schemes._two_dimensional.wall_points import WallPoints
+from tisph.snapshot import Bodies
+
+STEP = """\
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.05}
+geometry: {gap: 1.0, length: 2.0}
+ends: {left: {type: inlet, times: [0.0, 0.5], velocities: [0.0, 1.0], profile: parabolic}, right: {type: outlet}}
+walls: {bottom: {outline: [[0.0, 0.5], [0.8, 0.5], [0.8, 0.0], [2.0, 0.0]], corner_radius: 0.2}}
+discretisation: {particles_across: 12}
+time: {end: 0.1}
+runtime: {threads: 1}
+"""
+
+
+def loaded(tmp_path, *changes):
+    path = tmp_path / "case.yaml"
+    path.write_text(STEP)
+    return load(path, changes)
+
+
+def test_ends_reach_from_wall_to_wall(tmp_path):
+    config = loaded(
+        tmp_path, "walls.top={outline: [[0.0, 1.0], [0.8, 1.0], [1.4, 0.8], [2.0, 0.8]], corner_radius: 0.2}"
+    )
+    scene = scenes.of(config)
+    assert scene.names == ("_bottom", "_top", "_left", "_right")
+    inlet, outlet = scene.bodies[-2:]
+    assert inlet.shape.extent.tolist() == [[0.0, 0.5], [0.0, 1.0]]
+    assert outlet.shape.extent.tolist() == [[2.0, 0.0], [2.0, 0.8]]
+    middle = inlet.velocity(np.array([[0.0, 0.5], [0.0, 0.75], [0.0, 1.0]]), 1.0)
+    assert np.allclose(middle, [[0.0, 0.0], [1.5, 0.0], [0.0, 0.0]], rtol=0, atol=1e-12)
+    assert scene.region.area == pytest.approx(1.6 - 0.06 - 0.12, rel=1e-6)  # corners in and out take equal parts
+    (tmp_path / "again.yaml").write_text(config.resolved_yaml())
+    assert load(tmp_path / "again.yaml", ()) == config
+
+
+def test_particles_fill_the_region_behind_a_step(tmp_path):
+    scene = scenes.of(loaded(tmp_path))
+    places = np.stack(scene.jittered(1, 0.1), axis=1)
+    assert abs(len(places) - 1.6 / scene.spacing**2) < 0.3 * 12  # the ends are moved in by 0.3 spacings
+    assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing
+    gap = dict(scene.parameters())["narrowest gap"]
+    assert gap.startswith("0.5 m, 6 spacings")  # the ends are no walls
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ("ends=null", "walls.bottom.outline = "),
+    ("ends=null", "is only for a channel with open ends"),
+    ("walls.bottom.velocity=1.0", "walls.bottom.velocity = 1.0: is not for a wall with an outline: it is at rest"),
+    ("walls.bottom.outline=null", "walls.bottom.corner_radius = 0.2: is only for a wall with an outline"),
+    ("walls.bottom.corner_radius=null", "a corner of radius 0 has 0 spacings; it needs at least 2"),
+    ("walls.bottom.corner_radius=0.1", "walls.bottom.corner_radius = 0.1: a corner of radius 0.1 has 1.2 spacings"),
+    ("walls.bottom.corner_radius=0.3", "corners of radius 0.3 do not fit: at most 0.25"),
+    ("geometry.length=2.5", "must lead from x = 0 to x = 2.5, not from 0 to 2"),
+    ("walls.bottom.outline=[[0.0, -0.1], [2.0, 0.0]]", "y from 0 to gap, 1"),
+    ("walls.bottom.outline=[[0.0, 0.7], [2.0, 0.7]]", "leaves a passage 0.3 wide: leave 6 spacings, 0.5"),
+    ("walls.top={outline: [[0.0, 0.2], [2.0, 0.9]]}", "meets the other wall"),
+    ("walls.bottom.outline=[[0.0, 0.5], [0.0, 0.0], [2.0, 0.0]]", "between the ends of the wall"),
+    ("initial.state=developed", "must be rest where a wall has an outline"),
+])  # fmt: skip
+def test_impossible_outlines_are_refused_in_words(tmp_path, change, said):
+    with pytest.raises(ConfigError) as refused:
+        loaded(tmp_path, change)
+    assert said in str(refused.value)
+
+
+def test_a_periodic_channel_with_bodies_has_planes(tmp_path):
+    with pytest.raises(ConfigError, match="is only for a channel with open ends"):
+        loaded(tmp_path, "ends=null", "bodies=[{centre: [1.5, 0.5], radius: 0.25}]", "walls.top.velocity=1.0")
+
+
+def test_files_for_paraview_have_the_outline_as_a_line(tmp_path):
+    config = loaded(tmp_path)
+    scene = scenes.of(config)
+    assert has_outlines(scene)
+    with h5py.File(tmp_path / "bodies.vtkhdf", "w") as file:
+        bodies = Bodies.at(0.0, scene.bodies, np.zeros((2, 4, 4)))
+        append_bodies(file, SimpleNamespace(t=0.0, bodies=bodies), Description(config, scene))
+        root = file["VTKHDF"]
+        assert root["Types"][()].tolist() == [POLY_LINE]
+        points = root["Points"][()]
+    wall = scene.bodies[0].shape
+    assert np.abs(wall.nearest(points[:, :2]).distance).max() < 1e-12
+    assert np.ptp(points[:, 0]) == pytest.approx(2.0, abs=0.5 * scene.spacing)
+
+
+def test_walls_are_known_to_places_beside_a_sloped_end():
+    """The nearest place of the wall may then be beyond the end, where it has no points."""
+    bodies = [Body(Outline(((0.0, 0.6), (0.7, 0.3), (2.0, 0.3)), 0.2)), Body(Line((2.0, 1.0), (-1.0, 0.0), 2.0))]
+    places = np.stack([np.full(20, 0.02), np.linspace(0.6, 0.98, 20)], axis=1)
+    planes, distances, curvatures = WallPoints(bodies, 0.05, (0.0, 0.0)).nearest_walls(places, 0.0)
+    foot = bodies[0].nearest(places)
+    assert foot.point[:, 0].min() < -0.1
+    assert np.isfinite(planes).all()
+    assert (curvatures == 0.0).all()
+    assert np.array_equal(distances.min(axis=1), np.minimum(foot.distance, 1.0 - places[:, 1]))
+
+
+def test_flow_over_a_step_leaves_as_it_enters(tmp_path):
+    """Nothing crosses a wall, and what flows in flows out."""
+    simulation = tisph.Simulation(loaded(tmp_path))
+    while not simulation.finished:
+        simulation.step()
+    state, boundary = simulation.state, simulation.scheme.boundary
+    wall = simulation.scene.bodies[0].shape
+    assert wall.nearest(np.stack([state.x, state.y], axis=1)).distance.min() > 0.1 * simulation.scene.spacing
+    flux = -boundary.walls.length * np.sum(boundary.velocity * boundary.walls.at(state.t)[1], axis=1)
+    inflow, outflow = -flux[boundary.of_inlets].sum(), flux[boundary.of_outlet].sum()
+    assert inflow == pytest.approx(0.5 * 0.2, rel=0.02)  # the sum over six points of a parabola is 1.4 % too large
+    assert outflow == pytest.approx(inflow, rel=0.05)  # measured: 3.4 %, six points against twelve make 1 % of it
+    assert np.abs(boundary.velocity[boundary.walls.solid]).max() == 0.0

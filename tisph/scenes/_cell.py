@@ -33,7 +33,7 @@ MOMENTS = 25
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """Yield the errors in the ``config`` of a cell with these ``bodies``; ``walls`` by their names in messages."""
-    if config.scheme.type == "wcsph":
+    if config.scheme.type == "wcsph" and config.bodies:
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free: list[Any] = [body for body in bodies if body.free]

@@ -4,14 +4,17 @@
 pressures of both ends.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from tisph.geometry.body import Body
+from tisph.config.base import Problem
+from tisph.config.ends import Table
+from tisph.exact._fluids import fluid_of
+from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, InletProfile, OpenEnd, Outlet
 from tisph.geometry.line import Line
 from tisph.geometry.motion import Schedule, WallMotion
@@ -40,12 +43,51 @@ def parabola(low: float, high: float) -> InletProfile:
     )
 
 
+def end_lines(length: float, gap: float) -> dict[str, Line]:
+    """Return the lines of the ``left`` and ``right`` end of a channel, whose normals are into the fluid."""
+    return {"left": Line((0.0, gap), (0.0, -1.0), gap), "right": Line((length, 0.0), (0.0, 1.0), gap)}
+
+
+def depends_on_flow_rate(config: Any) -> bool:
+    """Return whether the profile of the inlet changes with its mean velocity: developed flow of a non-linear fluid."""
+    return config.ends.inlet.profile == "developed" and config.fluid.rheology.type not in ("newtonian", "oldroyd_b")
+
+
 def profile_of(config: Any, low: float, high: float) -> InletProfile:
     """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
-    given = config.ends.inlet.profile
+    from scipy.interpolate import CubicSpline
+
+    given, width = config.ends.inlet.profile, high - low
     if given == "uniform":
         return InletProfile(np.ones_like, np.zeros_like)
-    return parabola(low, high)
+    if depends_on_flow_rate(config):
+        fluid = fluid_of(config.fluid.rheology, config.kinematic_viscosity, config.fluid.density)
+        flow = UniformShear(fluid.flux, fluid.laws)
+        distances, rates = flow.developed(config.ends.inlet.velocity, width)
+        heights = 0.5 * (low + high) + np.concatenate([-distances[:0:-1], distances])
+        profile = CubicSpline(heights, np.concatenate([rates[:0:-1], -rates])).antiderivative()
+    elif given in ("developed", "parabolic"):
+        return parabola(low, high)
+    else:
+        profile = CubicSpline(low + np.array(given.heights), given.velocities)
+    profile.c *= width / profile.integrate(low, high)
+    return InletProfile(profile, profile.derivative())
+
+
+def profile_problems(config: Any, low: float, high: float) -> Iterator[Problem]:
+    """Yield the error in the profile of the inlet of a ``config`` between these heights, if there is one."""
+    given, width = config.ends.inlet.profile, high - low
+    key = f"ends.{'left' if config.ends.inlet is config.ends.left else 'right'}.profile"
+    if depends_on_flow_rate(config) and (config.ends.inlet.velocities or config.ends.inlet.amplitude):
+        text = "must be parabolic, uniform or a table where the mean velocity changes"
+        yield key, f"{text}: a developed {config.fluid.rheology.type} flow has another profile at each velocity"
+    if not isinstance(given, Table):
+        return
+    if abs(given.heights[-1] - width) > 1e-9 * width:
+        yield f"{key}.heights", f"must end at the width of the inlet, {width:.12g}"
+        return
+    if profile_of(config, low, high).value(np.linspace(low, high, 1000)).min() < -1e-9:
+        yield f"{key}.velocities", "must be more points: the cubic spline through these is negative in between"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,15 +101,19 @@ class Stream(Cell):
 
         length, gap = config.geometry.length, config.geometry.gap
         walls = plane_walls(length, gap, config.walls)
-        places = {"left": Line((0.0, gap), (0.0, -1.0), gap), "right": Line((length, 0.0), (0.0, 1.0), gap)}
+        places = end_lines(length, gap)
         profile, course = profile_of(config, 0.0, gap), course_of(config.ends.inlet)
         sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
         ends = {
             sides[0]: Inlet(places[sides[0]], profile=profile, course=course),
             sides[1]: Outlet(places[sides[1]]),
         }
-        bodies = bodies_of(config, walls)
-        developed = (lambda x, y: np.stack([profile.value(y), 0.0 * y]) * course.velocity(0.0)) if config.initial.state == "developed" else None
+        bodies = bodies_of(config, {**walls, **ends})
+        developed = (
+            (lambda x, y: np.stack([profile.value(y), 0.0 * y]) * course.velocity(0.0))
+            if config.initial.state == "developed"
+            else None
+        )
         return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
 
     @cached_property

@@ -32,7 +32,7 @@ WITHOUT_KEYS = {
     "kernels": "Kernels: `discretisation: {kernel: NAME}`",
     "operators": "Operators of scheme wcsph: `scheme: {type: wcsph, operators: NAME}`",
 }
-SIDES = re.compile(r"^walls\.(top|bottom|inner|outer)\b")
+SIDES = re.compile(r"^(walls|ends)\.(top|bottom|inner|outer|left|right)\b")
 HEAD = "| key | meaning | unit | allowed | default |\n|---|---|---|---|---|\n"
 
 
@@ -176,7 +176,7 @@ def table(entries, above=""):
 def rows(entries, above=""):
     """Texts of keys with their fields: key, meaning, unit, allowed values, default (empty if it must be given)."""
     for key, field in entries.items():
-        meaning, unit, *said = MEANINGS[above + SIDES.sub("walls.SIDE", key)]
+        meaning, unit, *said = MEANINGS[above + SIDES.sub(r"\1.SIDE", key)]
         yield key, meaning, unit, allowed(field.annotation, field.metadata), said[0] if said else default(field)
 
 

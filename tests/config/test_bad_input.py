@@ -267,7 +267,7 @@ def test_whole_numbers_may_be_written_as_floats(tmp_path, message):
 
 @pytest.mark.parametrize(
     ("key", "hint"),
-    [("drive.pressure_gradient", "nearest: drive.acceleration, the force"), ("inlet", "open ends are not there yet")],
+    [("drive.pressure_gradient", "nearest: drive.acceleration, the force"), ("inlet", "open ends are only for scene")],
 )
 def test_unknown_keys_of_other_programs_have_a_hint(message, key, hint):
     assert f"unknown key; {hint}" in message(GOOD, f"{key}=1")

@@ -129,7 +129,7 @@ def keys():
         for name in registry.names(family):
             for key, _ in reference.fields(getattr(registry.load(family, name), model)):
                 above = reference.SAME_KEYS.get(family, family)
-                yield reference.SIDES.sub("walls.SIDE", key) if family == "scenes" else f"{above}/{key}"
+                yield reference.SIDES.sub(r"\1.SIDE", key) if family == "scenes" else f"{above}/{key}"
     yield from reference.study_keys()
 
 

@@ -87,7 +87,7 @@ def raise_problems(config: Any) -> None:
 def _times(config: Any) -> Iterator[Problem]:
     start, end, samples = config.start_time, config.time.end, config.time.samples
     if config.singular and config.time.tolerance != "auto":
-        text = "is not allowed where walls meet that slide past each other: the error of a step is not finite there"
+        text = "is not allowed where velocities jump in a corner: the error of a step is not finite there"
         yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
     if not end > start:
         yield "time.end", f"must be after the start of the run at {start:g}"

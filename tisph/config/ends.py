@@ -6,85 +6,94 @@ from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusals, refuse
 from tisph.config.fields import either
-from tisph.config.motion import Amplitude, Times, Values, check_as_many, check_schedule
+from tisph.config.motion import Times, Values, check_as_many
 
-Heights = Annotated[tuple[NonNegative, ...], Field(strict=False, min_length=2, max_length=1000)]
+Points = Annotated[tuple[NonNegative, ...], Field(strict=False, max_length=1000)]
 
 
 class Table(Model):
     """Velocities through an inlet at ``heights`` above its lower end [length], from 0 to its width.
 
-    A cubic spline goes through them. It is scaled: the inlet has the mean velocity that it says.
+    A cubic spline through them is scaled to the mean velocity of the inlet.
     """
 
-    heights: Heights
-    velocities: Annotated[tuple[Signed, ...], Field(strict=False, min_length=2, max_length=1000)]
+    heights: Points
+    velocities: Points
 
     @model_validator(mode="after")
     def _check_table(self) -> "Table":
         if len(self.heights) != len(self.velocities):
             text = f"must be as many as there are heights, {len(self.heights)}"
             raise refusals([(("velocities",), text, self.velocities)])
-        if self.heights[0] != 0.0 or list(self.heights) != sorted(set(self.heights)):
-            raise refusals([(("heights",), "must ascend from 0", self.heights)])
+        if len(self.heights) < 2 or list(self.heights) != sorted({0.0, *self.heights}):
+            raise refusals([(("heights",), "must be two or more, ascending from 0", self.heights)])
+        if not any(self.velocities):
+            raise refusals([(("velocities",), "must not all be 0", self.velocities)])
         return self
 
 
 Named = Literal["developed", "parabolic", "uniform"]
+Profile = either(Named, Table, lambda value: isinstance(value, dict | Table), "a map of heights and velocities")
+
+MOTION_KEYS = ("velocity", "amplitude", "angular_frequency", "phase", "times", "velocities")
 
 
-class Inlet(Model):
-    """Fluid enters with the mean velocity ``velocity`` + ``amplitude`` * cos or sin (``phase``) of w t [length/time].
+class End(Model):
+    """An inlet or an outlet. Fluid leaves an outlet freely: nu du/dn = p n, so that a developed flow leaves as it came.
 
-    Or with the mean ``velocities`` at ``times``, linear in between and constant before and after. ``profile``: of the
-    fluid's own developed flow, a parabola, uniform, or a table.
+    Fluid enters an inlet with the mean ``velocity`` + ``amplitude`` * cos or sin (``phase``) of w t [length/time], or
+    with the mean ``velocities`` at ``times``, linear in between and constant before and after. Its ``profile`` is the
+    profile of the fluid's own developed flow, a parabola, uniform, or a table.
     """
 
-    unset_keys = ("velocity", "amplitude", "angular_frequency", "phase", "times", "velocities")
+    unset_keys = (*MOTION_KEYS, "profile")
 
-    type: Literal["inlet"]
-    velocity: Signed | None = None
-    amplitude: Amplitude | None = None
+    type: Literal["inlet", "outlet"]
+    velocity: NonNegative | None = None
+    amplitude: Signed | None = None
     angular_frequency: Positive | None = None
     phase: Literal["cos", "sin"] | None = None
     times: Times | None = None
     velocities: Values | None = None
-    profile: either(Named, Table, lambda value: isinstance(value, dict | Table), "heights and velocities") = "developed"
+    profile: Profile | None = None
 
     @model_validator(mode="before")
     @classmethod
-    def _fill_in_phase(cls, data: Any) -> Any:
-        if isinstance(data, dict) and data.get("amplitude") is not None and data.get("phase") is None:
-            return {**data, "phase": "cos"}
-        return data
+    def _fill_in(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        usual = {"phase": "cos"} if data.get("amplitude") is not None else {}
+        usual |= {"profile": "developed"} if data.get("type") == "inlet" else {}
+        return {**data, **{key: value for key, value in usual.items() if data.get(key) is None}}
 
     @model_validator(mode="after")
-    def _check_motion(self) -> "Inlet":
-        if self.velocities is not None:
-            refuse(findings(self, ("velocity", "amplitude", "angular_frequency", "phase"), "is not for velocities at times"))
+    def _check_motion(self) -> "End":
+        if self.type == "outlet":
+            refuse(findings(self, self.unset_keys, "is only for an inlet"))
+        elif self.velocities is not None:
+            refuse(findings(self, MOTION_KEYS[:4], "is not for an inlet with velocities at times"))
             check_as_many(self, "velocities")
-            check_schedule(self, "velocities")
-            if len(set(self.times or ())) < len(self.times or ()):
+            if list(self.times or ()) != sorted(set(self.times or ())):
                 text = "must ascend: an inflow that jumps needs an infinite pressure; give a short ramp"
                 raise refusals([(("times",), text, self.times)])
-            return self
-        refuse(findings(self, ("times",), "is only for velocities at times"))
-        if self.amplitude is None:
-            refuse(findings(self, ("angular_frequency", "phase"), "is only for an inlet with an amplitude"))
-            if not self.velocity:
-                raise refusals([(("velocity",), "must be given, and not 0, or an amplitude, or velocities at times", {})])
-        elif self.angular_frequency is None:
-            raise refusals([(("angular_frequency",), "is missing: an inlet with an amplitude oscillates", {})])
+            if not any(self.velocities):
+                raise refusals([(("velocities",), "must not all be 0", self.velocities)])
+        else:
+            refuse(findings(self, ("times",), "is only for an inlet with velocities at times"))
+            if self.amplitude is None:
+                refuse(findings(self, ("angular_frequency", "phase"), "is only for an inlet with an amplitude"))
+            elif self.angular_frequency is None:
+                raise refusals([(("angular_frequency",), "is missing: an inlet with an amplitude oscillates", {})])
+            if not (self.velocity or self.amplitude):
+                text = "must be greater than 0, unless there is an amplitude, or velocities at times"
+                raise refusals([(("velocity",), text, {} if self.velocity is None else self.velocity)])
         return self
 
-
-class Outlet(Model):
-    """Fluid leaves freely: nu du/dn = p n, so that a developed flow leaves as it came."""
-
-    type: Literal["outlet"]
-
-
-End = Annotated[Inlet | Outlet, Field(discriminator="type")]
+    @property
+    def jumps_at_walls(self) -> bool:
+        """Whether the velocity of the fluid at a wall is not 0."""
+        ends = self.profile.velocities[:: len(self.profile.velocities) - 1] if isinstance(self.profile, Table) else ()
+        return self.profile == "uniform" or any(ends)
 
 
 class Ends(Model):
@@ -97,10 +106,11 @@ class Ends(Model):
     def _check_one_of_each(self) -> "Ends":
         if self.left.type == self.right.type:
             other = "outlet" if self.left.type == "inlet" else "inlet"
-            raise refusals([(("right", "type"), f"must be {other}, with an {self.left.type} on the left", self.right.type)])
+            text = f"must be {other}, with an {self.left.type} on the left"
+            raise refusals([(("right", "type"), text, self.right.type)])
         return self
 
     @property
-    def inlet(self) -> Inlet:
+    def inlet(self) -> End:
         """The end that is the inlet."""
-        return self.left if isinstance(self.left, Inlet) else self.right  # type: ignore[return-value]
+        return self.left if self.left.type == "inlet" else self.right

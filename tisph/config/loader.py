@@ -45,9 +45,7 @@ TEXTS = {
 
 HINTS = {
     "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
-    **dict.fromkeys(
-        ("inlet", "outlet", "ends"), "open ends are not there yet: take a periodic channel with drive.acceleration"
-    ),
+    **dict.fromkeys(("inlet", "outlet", "ends"), "open ends are only for scene channel, in its section ends"),
 }
 """Unknown key -> the way to the same flow."""
 
@@ -144,9 +142,12 @@ def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
 
 
 def _static_model(field: FieldInfo) -> type[Model] | None:
-    choices = getattr(field.annotation, "__args__", (field.annotation,))
-    plain = (getattr(item, "__origin__", item) for item in choices)
-    return next((item for item in plain if isinstance(item, type) and issubclass(item, Model)), None)
+    choices = [field.annotation]
+    for each in choices:
+        if isinstance(each, type) and issubclass(each, Model):
+            return each
+        choices += get_args(each)
+    return None
 
 
 Asked: TypeAlias = "str | PathLike[str] | Mapping[str, Any] | Config"

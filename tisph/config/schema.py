@@ -333,8 +333,8 @@ class Config(Model):
 
 
 ORDER = (
-    "name", "title", "scene", "units", "fluid", "geometry", "walls", "drive", "initial", "reference", "discretisation",
-    "scheme", "time", "probes", "output", "runtime",
+    "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "reference",
+    "discretisation", "scheme", "time", "probes", "output", "runtime",
 )  # fmt: skip
 """Order of the keys in a resolved config; other keys come with ``geometry``."""
 

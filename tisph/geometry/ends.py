@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tisph.geometry.body import Body
-
+from tisph.geometry.line import Line
 
 LEAST_DISTANCE = 0.3
 """Distance from an end, in particle spacings, within which there are no particles: operators of particles nearer to a
@@ -29,6 +29,8 @@ class InletProfile:
 class OpenEnd(Body):
     """A line along y that the fluid passes through."""
 
+    shape: Line
+
 
 @dataclass(frozen=True, kw_only=True)
 class Inlet(OpenEnd):
@@ -38,7 +40,7 @@ class Inlet(OpenEnd):
     course: Any
 
     def _inwards(self, values: np.ndarray) -> np.ndarray:
-        return values[:, None] * self.shape.normal  # type: ignore[attr-defined]
+        return values[:, None] * self.shape.normal
 
     def velocity(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the velocity of the fluid at ``points``."""

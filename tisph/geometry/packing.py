@@ -104,22 +104,22 @@ LEAST_DISTANCE = 0.25
 """Least distance of a particle from walls, in spacings."""
 
 
-def pack(region: Region, spacing: float, jitter: float = 0.0, seed: int = 0) -> np.ndarray:
-    """Return places (n, 2) of particles that fill ``region``, n = area / spacing^2 rounded.
+def pack(region: Region, spacing: float, jitter: float = 0.0, seed: int = 0, count: int | None = None) -> np.ndarray:
+    """Return places (n, 2) of particles that fill ``region``, n the ``count``, or area / spacing^2 rounded.
 
     Their distance from walls is at least a quarter of the spacing. ``jitter``: largest random displacement along x and
     y, in spacings, drawn from ``seed``. ValueError where the lattice has too few places in the region.
     """
-    points = _relaxed(region, _start(region, spacing), spacing, SWEEPS)
+    wanted = round(region.area / spacing**2) if count is None else count
+    points = _relaxed(region, _start(region, spacing, wanted), spacing, SWEEPS)
     if jitter:
         points = points + jitter * spacing * np.random.default_rng(seed).uniform(-1.0, 1.0, points.shape)
         points = _relaxed(region, region.off_walls(points, LEAST_DISTANCE * spacing), spacing, SWEEPS_AFTER_JITTER)
     return region.wrapped(points)
 
 
-def _start(region: Region, spacing: float) -> np.ndarray:
-    """Return the places (n, 2) of a lattice that are deepest in the region, n = area / spacing^2 rounded."""
-    wanted = round(region.area / spacing**2)
+def _start(region: Region, spacing: float, wanted: int) -> np.ndarray:
+    """Return the places (``wanted``, 2) of a lattice that are deepest in the region."""
     for finer in (0, 1):  # where the spacing does not divide a side, its rounded number of rows may be too small
         counts = np.maximum(1, np.round(region.size / spacing).astype(int)) + finer
         sides = zip(region.low, region.size, counts, strict=True)

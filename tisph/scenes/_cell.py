@@ -17,7 +17,6 @@ from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
 from tisph.geometry.body import POINTS, Body, smallest_gap
-from tisph.geometry.ends import OpenEnd
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
@@ -34,7 +33,7 @@ MOMENTS = 25
 
 def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """Yield the errors in the ``config`` of a cell with these ``bodies``; ``walls`` by their names in messages."""
-    if config.scheme.type == "wcsph":
+    if config.scheme.type == "wcsph" and config.bodies:
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free: list[Any] = [body for body in bodies if body.free]

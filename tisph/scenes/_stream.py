@@ -5,7 +5,7 @@ pressures of both ends.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -13,6 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from tisph.config.base import Problem
+from tisph.config.ends import Table
+from tisph.exact._fluids import fluid_of
+from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.body import Body
 from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, InletProfile, OpenEnd, Outlet
 from tisph.geometry.line import Line
@@ -32,18 +36,25 @@ def course_of(given: Any) -> Any:
         return Schedule(given.times, given.velocities)
     wave = WallMotion(0.0)
     if given.amplitude is not None:
-        parts = (given.amplitude, 0.0) if given.phase == "cos" else (0.0, given.amplitude)
-        wave = WallMotion(*parts, angular_frequency=given.angular_frequency)
+        cosine, sine = (given.amplitude, 0.0) if given.phase == "cos" else (0.0, given.amplitude)
+        wave = WallMotion(cosine, sine, given.angular_frequency)
     return Course(given.velocity or 0.0, wave)
 
 
-def profile_of(config: Any, low: float, high: float) -> InletProfile:
-    """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
-    value = Polynomial([1.0])
-    if config.ends.inlet.profile != "uniform":
-        part = Polynomial([-low, 1.0]) / (high - low)
-        value = 6.0 * part * (1.0 - part)
-    return InletProfile(value, value.deriv())
+def heights_at(config: Any, side: str) -> tuple[float, float]:
+    """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel."""
+    walls, end = config.walls, 0 if side == "left" else -1
+    low, high = (wall.outline and wall.outline[end][1] for wall in (walls.bottom, walls.top))
+    return low or 0.0, config.geometry.gap if high is None else high
+
+
+def end_lines(config: Any) -> dict[str, Line]:
+    """Return the lines of the ``left`` and ``right`` end of a channel, whose normals are into the fluid."""
+    (left_low, left_high), (low, high) = (heights_at(config, side) for side in ("left", "right"))
+    return {
+        "left": Line((0.0, left_high), (0.0, -1.0), left_high - left_low),
+        "right": Line((config.geometry.length, low), (0.0, 1.0), high - low),
+    }
 
 
 @dataclass(frozen=True)
@@ -58,37 +69,68 @@ class InletFlow:
         return np.stack([self.velocity * self.profile.value(y), 0.0 * x])
 
 
-def heights_at(config: Any, side: str) -> tuple[float, float]:
-    """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel."""
-    walls, end = config.walls, 0 if side == "left" else -1
-    low, high = (wall.outline and wall.outline[end][1] for wall in (walls.bottom, walls.top))
-    return low or 0.0, config.geometry.gap if high is None else high
+def depends_on_flow_rate(config: Any) -> bool:
+    """Return whether the profile of the inlet changes with its mean velocity: developed flow of a non-linear fluid."""
+    return config.ends.inlet.profile == "developed" and config.fluid.rheology.type not in ("newtonian", "oldroyd_b")
+
+
+def profile_of(config: Any, low: float, high: float) -> InletProfile:
+    """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
+    from scipy.interpolate import CubicSpline
+
+    given, width = config.ends.inlet.profile, high - low
+    if given == "uniform" or (not depends_on_flow_rate(config) and given in ("developed", "parabolic")):
+        part = Polynomial([-low, 1.0]) / width
+        value = Polynomial([1.0]) if given == "uniform" else 6.0 * part * (1.0 - part)
+        return InletProfile(value, value.deriv())
+    if depends_on_flow_rate(config):
+        fluid = fluid_of(config.fluid.rheology, config.kinematic_viscosity, config.fluid.density)
+        flow = UniformShear(fluid.flux, fluid.laws)
+        distances, rates = flow.developed(config.ends.inlet.velocity, width)
+        heights = 0.5 * (low + high) + np.concatenate([-distances[:0:-1], distances])
+        profile = CubicSpline(heights, np.concatenate([rates[:0:-1], -rates])).antiderivative()
+    else:
+        profile = CubicSpline(low + np.array(given.heights), given.velocities)
+    profile.c *= width / profile.integrate(low, high)
+    return InletProfile(profile, profile.derivative())
+
+
+def profile_problems(config: Any) -> Iterator[Problem]:
+    """Yield the error in the profile of the inlet of a ``config``, if there is one."""
+    side = "left" if config.ends.inlet is config.ends.left else "right"
+    given, (low, high) = config.ends.inlet.profile, heights_at(config, side)
+    width, key = high - low, f"ends.{side}.profile"
+    if depends_on_flow_rate(config) and (config.ends.inlet.velocities or config.ends.inlet.amplitude):
+        text = "must be parabolic, uniform or a table where the mean velocity changes"
+        yield key, f"{text}: a developed {config.fluid.rheology.type} flow has another profile at each velocity"
+    if not isinstance(given, Table):
+        return
+    if abs(given.heights[-1] - width) > 1e-9 * width:
+        yield f"{key}.heights", f"must end at the width of the inlet, {width:.12g}"
+        return
+    if profile_of(config, low, high).value(np.linspace(low, high, 1000)).min() < -1e-9:
+        yield f"{key}.velocities", "must be more points: the cubic spline through these is negative in between"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stream(Cell):
-    """Flow through a channel from an inlet to an outlet; the ends are the last two bodies, the outlet after the inlet."""
+    """Flow through a channel from an inlet to an outlet: the last two ``bodies``, in this order."""
 
     @classmethod
-    def from_config(cls, config: Any) -> "Stream":
+    def from_config(cls, config: Any) -> "Cell":
         """Return the scene that a validated config describes."""
         from tisph.scenes._cell import bodies_of, plane_walls, planes
 
         length, gap = config.geometry.length, config.geometry.gap
         walls = plane_walls(length, gap, config.walls)
-        heights = {side: heights_at(config, side) for side in ("left", "right")}
-        (low, high), (right_low, right_high) = heights.values()
-        places = {
-            "left": Line((0.0, high), (0.0, -1.0), high - low),
-            "right": Line((length, right_low), (0.0, 1.0), right_high - right_low),
-        }
+        places = end_lines(config)
         sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
-        profile, course = profile_of(config, *heights[sides[0]]), course_of(config.ends.inlet)
+        profile, course = profile_of(config, *heights_at(config, sides[0])), course_of(config.ends.inlet)
         ends = {
-            sides[0]: Inlet(places[sides[0]], profile=profile, course=course),
-            sides[1]: Outlet(places[sides[1]]),
+            sides[0]: Inlet(shape=places[sides[0]], profile=profile, course=course),
+            sides[1]: Outlet(shape=places[sides[1]]),
         }
-        bodies = bodies_of(config, walls)
+        bodies = bodies_of(config, {**walls, **ends})
         along = float(course.velocity(0.0)) * places[sides[0]].normal[0]
         developed = InletFlow(profile, along) if config.initial.state == "developed" else None
         return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
@@ -106,11 +148,12 @@ class Stream(Cell):
     @cached_property
     def particles(self) -> int:
         """Number of fluid particles."""
-        return round(self._filled.area / self.spacing**2)
+        clear = LEAST_DISTANCE * self.spacing * sum(end.shape.length for end in self.bodies[-2:])
+        return round((self.region.area - clear) / self.spacing**2)
 
     def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
         """Return x, y (particles,) of particles that fill the region."""
-        x, y = pack(self._filled, self.spacing, max(jitter, LEAST_JITTER), seed).T
+        x, y = pack(self._filled, self.spacing, max(jitter, LEAST_JITTER), seed, self.particles).T
         return x, y
 
     @property
@@ -159,7 +202,10 @@ class Stream(Cell):
         """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``."""
         rates: Any = snapshot.flow_rates
         inflow, outflow = (0.0, 0.0) if rates is None else (float(rates[0]), -float(rates[1]))
-        at_ends = [float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean()) for body in self.bodies[-2:]]
+        at_ends = [
+            float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean())
+            for body in self.bodies[-2:]
+        ]
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": at_ends[0] - at_ends[1]}
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
@@ -178,17 +224,18 @@ class Stream(Cell):
         velocity into the fluid at the outlet over the reference velocity. ``separation_bottom`` and
         ``reattachment_bottom``: the first and last place x where the flow along a stepped wall changes its direction.
         """
-        found = {**self.loads(snapshot), **self.velocities(snapshot)}
+        loads, flows = self.loads(snapshot), self.velocities(snapshot)
+        found: dict[str, Any] = {**loads, **flows}
         for name, body in zip(self.names[: self.count], self.bodies, strict=False):
             pressure = self.density * self.reference_velocity**2 * float(np.ptp(body.shape.extent[:, 1])) / 2.0
             for kind in LOADS[:2]:
-                load = found[f"{kind}{name}"]
+                load = loads[f"{kind}{name}"]
                 found[f"{kind}_coefficient{name}"] = None if load is None else load / pressure
             outline = body.boundary_points(0.1 * self.spacing, snapshot.t).point
             ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
             found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
         scale = self.reference_velocity * self.inlet.shape.length
-        found["mass_imbalance"] = (found["inflow"] - found["outflow"]) / scale
+        found["mass_imbalance"] = (flows["inflow"] - flows["outflow"]) / scale
         found["backflow"] = (snapshot.backflow or 0.0) / self.reference_velocity
         return {**found, **self._turns(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
@@ -220,9 +267,9 @@ class Stream(Cell):
             along = across[:, 0] * np.abs(normal[:, 1]) - across[:, 1] * normal[:, 0] * np.sign(normal[:, 1])
             flat = np.abs(normal[:, 1]) > 0.7
             x, along = point[flat, 0], along[flat] * self.inlet.shape.normal[0]
-            for kind, signs, last in (("separation", along[:-1] > 0.0, False), ("reattachment", along[:-1] < 0.0, True)):
-                turns = np.flatnonzero(signs & (along[:-1] * along[1:] < 0.0))
-                k = turns[-1 if last else 0] if len(turns) else None
+            for kind, sign, which in (("separation", 1.0, 0), ("reattachment", -1.0, -1)):
+                turns = np.flatnonzero((sign * along[:-1] > 0.0) & (sign * along[1:] <= 0.0))
+                k = turns[which] if len(turns) else None
                 place = None if k is None else float(x[k] + (x[k + 1] - x[k]) * along[k] / (along[k] - along[k + 1]))
                 found[f"{kind}_{name[1:]}"] = place
         return found
@@ -257,8 +304,9 @@ class Stream(Cell):
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""
-        length, time, course = self.units.length, self.units.time, self.inlet.course
-        text = f"mean velocity up to {course.largest_speed:.6g} {length}/{time} over {self.inlet.shape.length:.6g} {length}"
+        length, speed = self.units.length, f"{self.units.length}/{self.units.time}"
+        course, width = self.inlet.course, self.inlet.shape.length
+        text = f"mean velocity up to {course.largest_speed:.6g} {speed}, width {width:.6g} {length}"
         return [*super().parameters(), ("inlet", text)]
 
     def _cause(self) -> tuple[bool, str]:

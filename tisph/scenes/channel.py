@@ -193,6 +193,11 @@ class Config(schema.Config):
         return self.parallel
 
     @property
+    def singular(self) -> bool:
+        """Whether the velocity of the inlet jumps at walls."""
+        return self.ends is not None and self.ends.inlet.jumps_at_walls
+
+    @property
     def extent(self) -> tuple[float, float]:
         """Length and gap."""
         return self.geometry.length, self.geometry.gap
@@ -220,7 +225,7 @@ class Config(schema.Config):
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the channel finds in the config."""
         if not self.parallel:
-            yield from _problems_with_bodies(self)
+            yield from _problems_with_bodies_or_ends(self)
             return
         yield from _without_ends(self)
         if self.drive.gravity:
@@ -245,7 +250,7 @@ class Config(schema.Config):
         least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
-            yield "geometry.length", f"{text}: the periodic neighbour search needs three cells along x"
+            yield "geometry.length", f"{text}: the neighbour search needs three cells along x"
 
 
 class Scene:
@@ -318,11 +323,18 @@ def _driven(config: Config) -> Iterator[Problem]:
         yield "walls.treatment.type", f"{text}: only its images take a stress"
 
 
-def _problems_with_bodies(config: Config) -> Iterator[Problem]:
-    """Yield the errors in the config of a channel with bodies."""
+def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
+    """Yield the errors in the config of a channel with bodies, or with open ends."""
+    from tisph.geometry.body import Body
     from tisph.scenes._cell import bodies_of, cell_problems, plane_walls
 
     sides = {side: getattr(config.walls, side) for side in SIDES}
+    where, able = "with bodies in the channel", "a Newtonian fluid and steady walls make it developed"
+    if config.ends:
+        where, able = "with open ends", "a fluid without polymer makes it developed"
+        if errors := list(_problems_with_ends(config)):
+            yield from errors
+            return
     for side, wall in sides.items():
         if wall.stress_controlled:
             yield f"walls.{side}", "must have a velocity: with bodies in the channel no stress can drive a wall"
@@ -334,23 +346,29 @@ def _problems_with_bodies(config: Config) -> Iterator[Problem]:
     if not config.ends:
         yield from _without_ends(config)
     moving = any(wall.amplitude for wall in sides.values())
-    if config.initial.state != "rest" and (moving or config.fluid.rheology.type != "newtonian"):
-        text = "must be rest with bodies in the channel, unless a Newtonian fluid and steady walls make it developed"
-        yield "initial.state", text
+    unknown = config.fluid.polymer if config.ends else config.fluid.rheology.type != "newtonian"
+    if config.initial.state != "rest" and (moving or unknown):
+        yield "initial.state", f"must be rest {where}, unless {able}"
     elif config.initial.state == "exact":
-        yield "initial.state", "must be rest or developed: with bodies in the channel no exact flow is known"
+        yield "initial.state", f"must be rest or developed: {where} no exact flow is known"
     if config.initial.time:
-        yield "initial.time", "must be 0: with bodies in the channel the run starts from rest"
+        yield "initial.time", f"must be 0: {where} the run starts at 0"
     for side, wall in sides.items():
         if wall.speed_before is not None:
-            yield f"walls.{side}.velocity_before", "is not allowed with bodies: the run starts from rest"
+            yield f"walls.{side}.velocity_before", f"is not allowed {where}: the run starts from rest"
     if config.walls.treatment.type != "consistent_image":
-        yield "walls.treatment.type", "must be left out: with bodies walls are points on them, without images"
+        yield "walls.treatment.type", f"must be left out: {where} walls are points on them, without images"
     if config.probes != type(config.probes)():
-        yield "probes", "are not for a channel with bodies, in which the forces on the bodies are recorded"
+        yield "probes", f"must be left out: {where} forces are recorded, and no velocities at probes"
     walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
     named = {f"walls.{name}": wall for name, wall in walls.items()}
-    yield from _outlines(config, walls)
+    if errors := list(_outlines(config, walls)):
+        yield from errors
+        return
+    if config.ends:
+        from tisph.scenes._stream import end_lines
+
+        named |= {f"ends.{side}": Body(line) for side, line in end_lines(config).items()}
     yield from cell_problems(config, bodies_of(config, named), named)
 
 
@@ -385,3 +403,21 @@ def _outlines(config: Config, walls: dict[str, Any]) -> Iterator[Problem]:
             text = f"leaves a passage {narrowest:.4g} wide" if narrowest > 0.0 else "meets the other wall"
             text = f"{text}: leave {checks.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
             yield f"walls.{next(iter(given))}.outline", text
+
+
+def _problems_with_ends(config: Config) -> Iterator[Problem]:
+    """Yield the errors in the config of a channel with open ends."""
+    from tisph.scenes._stream import profile_problems
+
+    for side in SIDES:
+        wall = getattr(config.walls, side)
+        if wall.velocity or wall.amplitude or wall.velocities or wall.stress_controlled:
+            yield f"walls.{side}", "must be at rest: with open ends no wall moves yet"
+    if config.has_free_bodies:
+        listed = config.bodies if isinstance(config.bodies, tuple) else ()
+        free = [f".{index}" for index, body in enumerate(listed) if body.motion == "free"]
+        text = "must not be free: bodies that the flow carries are not there with open ends"
+        yield from ((f"bodies{place}.motion", text) for place in free or [""])
+    if config.drive.acceleration:
+        yield "drive.acceleration", "must be 0: the inlet drives the flow"
+    yield from profile_problems(config)

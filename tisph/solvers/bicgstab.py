@@ -119,8 +119,7 @@ class BiCGStab:
             laplacian += self.operators.hoop(values, i)
         result = self.sigma[None] * values[i] - self.coefficient[None] * laplacian
         if ti.static(self.has_outlet):
-            if i >= self.points.n_fluid[None]:
-                result = -self.outlet_part(i) * laplacian
+            result = ti.select(i < self.points.n_fluid[None], result, -self.outlet_part(i) * laplacian)
         return result
 
     @ti.func
@@ -133,9 +132,9 @@ class BiCGStab:
         """Return the diagonal entry of row ``i``, 1 where there is no unknown."""
         result = self.sigma[None] - self.coefficient[None] * self.operators.diagonal[i]
         if ti.static(self.has_outlet):
-            if i >= self.points.n_fluid[None]:
-                part = self.outlet_part(i)
-                result = ti.select(part > 0.0, -part * self.operators.diagonal[i], 1.0)
+            part = self.outlet_part(i)
+            own = ti.select(part > 0.0, -part * self.operators.diagonal[i], 1.0)
+            result = ti.select(i < self.points.n_fluid[None], result, own)
         return result
 
     @ti.func

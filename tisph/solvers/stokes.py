@@ -10,9 +10,9 @@ velocities u of the fluid and pressures p of all points, fluid and walls (docs/t
     n . G u = -n_x D_y v,   n . G v = 0,   p = -nu D_y v + S_yy      at an outlet,                      (13)
 
 where U is the velocity of the walls, to which X of the bodies contributes. At an outlet, an end along y, (13) gives the
-velocities and pressures there, which are no unknowns, by those of the other points. D G has modes of the pressure that oscillate
-from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the splitting
-(``equations.py``), and leave a divergence that grows with the step.
+velocities and pressures there, which are no unknowns, by those of the other points. D G has modes of the pressure that
+oscillate from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the
+splitting (``equations.py``), and leave a divergence that grows with the step.
 
 GMRES (Y. Saad, M. H. Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856-869), preconditioned from the left, so that
 residuals are errors of velocities, by block elimination from X to p to u:

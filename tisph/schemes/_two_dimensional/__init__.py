@@ -112,7 +112,9 @@ class _Problem(Box):
     @property
     def open_ends(self) -> tuple[float, ...]:
         """Places x of the open ends, in the box."""
-        return tuple(float(body.shape.extent[0, 0]) - self.origin[0] for body in self.bodies if isinstance(body, OpenEnd))
+        return tuple(
+            float(body.shape.extent[0, 0]) - self.origin[0] for body in self.bodies if isinstance(body, OpenEnd)
+        )
 
     @property
     def solvent_viscosity(self) -> float:

@@ -40,6 +40,9 @@ AWAY, ALONG = (
 UNJUDGED = 5.0
 """Distance from an end, in particle spacings, up to which the error of a step does not count."""
 
+KEPT = "outlet_velocity", "v_slope", "passages", "due"
+"""Arrays that a checkpoint keeps."""
+
 DEGREE, AROUND = 4, 40
 """Degree of the polynomial, and number of points, from which a particle takes its time levels."""
 
@@ -134,14 +137,15 @@ class OpenWallBoundary(WallBoundary):
         super().impose_neumann_rows()
         chosen = np.arange(self.first, self.problem.particles)
         table, listed = self.points.listed_neighbours(chosen)
-        place, support = view(self.points.position), self.support * self.problem.spacing * view(self.operators.support_factor)[chosen]
+        place, spacing = view(self.points.position), self.problem.spacing
+        support = self.support * spacing * view(self.operators.support_factor)[chosen]
         x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
         weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
         powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
         rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
-        self.outlet_slope = support * (rows * x).sum(axis=1) / self.problem.spacing**2
-        view(self.operators.laplacian)[chosen] = rows / self.problem.spacing**2
-        view(self.operators.diagonal)[chosen] = -1.0 / self.problem.spacing**2
+        self.outlet_slope = support * (rows * x).sum(axis=1) / spacing**2
+        view(self.operators.laplacian)[chosen] = rows / spacing**2
+        view(self.operators.diagonal)[chosen] = -1.0 / spacing**2
 
     def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
@@ -215,7 +219,7 @@ class OpenWallBoundary(WallBoundary):
 
     def through_ends(self, time: float, weights: TimeWeights, offset: float, created: np.ndarray) -> Mapping[str, Any]:
         """Return the numbers of a ``Snapshot`` about open ends, by name; ``created``: order of the particles."""
-        *_, inlet, outlet = self.walls.bodies
+        inlet = self.walls.bodies[-2]
         level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
         outflow, backflow = level_weights @ np.array(self.outflows)
         rates = np.array([float(inlet.course.velocity(time)) * inlet.shape.length, -outflow])
@@ -295,7 +299,7 @@ class OpenWallBoundary(WallBoundary):
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
         view(self.points.position)[slots] = places
 
-    def inside(self, position: np.ndarray) -> np.ndarray:
+    def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step; particles that enter later are at the ends."""
         position = position.copy()
         low, high = sorted(self.problem.open_ends)
@@ -312,15 +316,14 @@ class OpenWallBoundary(WallBoundary):
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        arrays = {"outlet_velocity": self.outlet_velocity, "v_slope": self.v_slope, "passages": self.passages}
-        arrays["due"] = self.due
+        arrays = {name: getattr(self, name).tolist() for name in KEPT}
         levels = [[part.tolist() for part in pair] for pair in self.levels_at_outlet]
-        return {**super().host_state(), **{name: array.tolist() for name, array in arrays.items()}, "ends": levels, "outflows": self.outflows}
+        return {**super().host_state(), **arrays, "ends": levels, "outflows": self.outflows}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
-        names = "outlet_velocity", "v_slope", "passages", "due"
-        self.outlet_velocity, self.v_slope, self.passages, self.due = (np.array(state[name]) for name in names)
+        for name in KEPT:
+            setattr(self, name, np.array(state[name]))
         self.levels_at_outlet = [(np.array(values), np.array(slopes)) for values, slopes in state["ends"]]
         self.outflows = state["outflows"]

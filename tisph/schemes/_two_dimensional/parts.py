@@ -138,7 +138,7 @@ class Boundary:
     def impose_neumann_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""
 
-    def inside(self, position: np.ndarray) -> np.ndarray:
+    def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""
         return position
 

@@ -97,7 +97,7 @@ class SplittingScheme(ControlledScheme):
             self.points.n_fluid = integer(problem.n_fluid)
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
-        near_walls = (MAX_WALLS, problem.contact is not None, walls.across_axis) if walls else ()
+        near_walls: tuple[Any, ...] = (MAX_WALLS, bool(problem.contact), walls.across_axis) if walls else ()
         self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)
         self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
         self.extra_stress = extra_stress_of(problem, self.levels)
@@ -374,7 +374,7 @@ class SplittingScheme(ControlledScheme):
             velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)
             position = position - np.einsum("a,iac->ic", weights.integral(offset), velocities[..., :2])
             pressure = fields[:, first:] @ weights.interpolation(offset, PRESSURES)
-            position = boundary.inside(position)
+            position = boundary.entered(position)
             if problem.axisymmetric:  # around the axis the circulation is interpolated
                 velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
         position, velocity, pressure = boundary.corners.whole_flow(

@@ -311,8 +311,9 @@ class TimeLevels:
     particle that is shifted gets the levels of its new path by a Taylor series of second order.
 
     ``d_dx``, ``d_dy``: derivatives of all fields. ``divergence`` (fluid): divergence of the newest velocities.
-    ``fastest``: largest newest velocity that moves a particle, relative to the mean where ``carried_along``;
-    ``largest``: the same with the velocity around the axis. ``number`` (fluid): number of a particle at the start, as their order in memory changes.
+    ``fastest``: largest newest velocity that moves a particle, relative to the mean where particles are
+    ``carried_along``; ``largest``: the same with the velocity around the axis. ``number`` (fluid): number of a particle
+    at the start, as their order in memory changes.
 
     """
 

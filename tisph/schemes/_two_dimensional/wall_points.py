@@ -70,7 +70,10 @@ class WallPoints:
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
-        solid = [np.full(len(each.length), not isinstance(body, OpenEnd)) for body, each in zip(bodies, self.outlines, strict=True)]
+        solid = [
+            np.full(len(each.length), not isinstance(body, OpenEnd))
+            for body, each in zip(bodies, self.outlines, strict=True)
+        ]
         self.solid = np.concatenate(solid)
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept_time = math.nan

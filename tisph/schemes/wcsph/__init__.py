@@ -60,7 +60,9 @@ def problems(config: Any) -> Iterator[Problem]:
 
 
 def _problems_around_bodies(config: Any) -> Iterator[Problem]:
-    if not hasattr(getattr(config, "walls", None), "treatment"):
+    if getattr(config, "ends", None):
+        yield "scheme.type", "wcsph has no open ends; take auto or implicit"
+    elif not hasattr(getattr(config, "walls", None), "treatment"):
         yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"
     elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
         text, (*others, last) = f"{config.walls.treatment.type} is for plane walls", AROUND_BODIES

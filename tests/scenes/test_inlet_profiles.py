@@ -1,0 +1,109 @@
+"""Profiles of an inlet: mean, slope, and developed flow against the exact flow of a channel without ends."""
+
+import numpy as np
+import pytest
+
+from tisph import scenes
+from tisph.config import load
+from tisph.exact._fluids import fluid_of
+from tisph.exact.uniform_shear import UniformShear
+from tisph.scenes._stream import profile_of
+
+GAP, VELOCITY = 2.0, 0.5
+CHANNEL = f"""
+scene: channel
+fluid: {{density: 1.5, kinematic_viscosity: 0.05}}
+geometry: {{gap: {GAP}, length: 4.0}}
+discretisation: {{particles_across: 16}}
+time: {{end: 1.0}}
+"""
+ENDS = f"ends={{left: {{type: inlet, velocity: {VELOCITY}}}, right: {{type: outlet}}}}"
+FLUIDS = {
+    "carreau_yasuda": "time: 5.0, index: 0.5",
+    "power_law": "index: 0.6, reference_rate: 1.0, least_rate: 1.0e-3",
+    "giesekus": "relaxation_time: 2.0, solvent_fraction: 0.2, mobility: 0.2",
+}
+TABLE = "{heights: [0.0, 0.3, 1.0, 1.5, 2.0], velocities: [0.0, 2.0, 5.0, 4.0, 1.0]}"
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """Config of a channel with overrides."""
+
+    def loaded_with(*overrides):
+        path = tmp_path / "case.yaml"
+        path.write_text(CHANNEL)
+        return load(path, overrides)
+
+    return loaded_with
+
+
+def fluid(name):
+    return f"fluid.rheology={{type: {name}, {FLUIDS[name]}}}"
+
+
+def shear(config):
+    """Stresses of the fluid of a config in uniform shear."""
+    found = fluid_of(config.fluid.rheology, config.kinematic_viscosity, config.fluid.density)
+    return UniformShear(found.flux, found.laws)
+
+
+CASES = [*(f"ends.left.profile={one}" for one in ("parabolic", "uniform", TABLE)), *map(fluid, FLUIDS)]
+
+
+@pytest.mark.parametrize("change", CASES, ids=[change[:40] for change in CASES])
+def test_mean_is_one_and_slope_is_the_derivative(loaded, change):
+    low, pieces = 0.25, 1000
+    profile = profile_of(loaded(ENDS, change), low, low + GAP)
+    # Gauss points in many pieces: exact but for pieces with a knot, where third derivatives of a spline jump
+    points, weights = np.polynomial.legendre.leggauss(4)
+    y = low + GAP / pieces * (np.arange(pieces)[:, None] + 0.5 * (1.0 + points))
+    assert np.mean(profile.value(y) @ weights / 2) == pytest.approx(1.0, abs=1e-10)
+    y, step = y[1:-1], 1e-4
+    differences = (profile.value(y + step) - profile.value(y - step)) / (2 * step)
+    # step^2/6 times third derivatives; in the power-law fluid the slope has a kink at mid-gap
+    assert np.median(np.abs(profile.slope(y) - differences)) < 1e-6
+    assert np.abs(profile.slope(y) - differences).max() < 1e-3
+
+
+@pytest.mark.parametrize("name", FLUIDS)
+def test_developed_profile_is_the_exact_flow_of_a_channel(loaded, name):
+    config = loaded(ENDS, fluid(name))
+    profile = profile_of(config, 0.0, GAP)
+    stress, _ = shear(config).steady(float(VELOCITY * profile.slope(0.0)))
+    drive = f"drive.acceleration={2.0 * stress / GAP!r}"
+    channel = scenes.of(loaded(drive, fluid(name), "initial.state=developed"))
+    y = np.linspace(0.0, GAP, 101)
+    # both have errors of some 1e-8, see exact/start_up.py and RATES of exact/uniform_shear.py
+    assert np.abs(profile.value(y) - channel.exact_velocity(y, 0.0) / VELOCITY).max() < 1e-7
+
+
+@pytest.mark.parametrize("law", ["newtonian", "oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5"])
+def test_developed_flow_of_linear_fluids_is_a_parabola(loaded, law):
+    profile = profile_of(loaded(ENDS, f"fluid.rheology={{type: {law}}}"), 0.0, GAP)
+    y = np.linspace(0.0, GAP, 11)
+    assert profile.value(y) == pytest.approx(6.0 * y * (GAP - y) / GAP**2)
+
+
+def test_a_table_goes_through_its_points(loaded):
+    profile = profile_of(loaded(ENDS, f"ends.left.profile={TABLE}"), 1.0, 1.0 + GAP)
+    values = profile.value(1.0 + np.array([0.0, 0.3, 1.0, 1.5, 2.0]))
+    assert values / values[2] == pytest.approx([0.0, 0.4, 1.0, 0.8, 0.2], abs=1e-14)
+
+
+def test_steady_states_are_the_limit_of_long_shear(loaded):
+    flow, rates = shear(loaded(ENDS, fluid("giesekus"))), np.linspace(0.0, 5.0, 4)
+    stresses = np.transpose(flow._stresses(flow.steady_states(rates), rates))
+    for rate, found in zip(rates, stresses, strict=True):
+        assert found == pytest.approx(flow.steady(rate), rel=1e-8, abs=1e-12)  # tolerance of the integration in time
+
+
+def test_flow_with_a_yield_stress_has_the_asked_mean(loaded):
+    law = "type: herschel_bulkley, index: 1.0, reference_rate: 1.0, yield_stress: 0.3, regularisation: 1000.0"
+    flow = shear(loaded(ENDS, f"fluid.rheology={{{law}}}", "ends.left.profile=uniform"))
+    distances, rates = flow.developed(VELOCITY, GAP)
+    # u_mean of a Bingham fluid by Buckingham and Reiner, for the wall stress of the profile; errors by regularisation
+    stress = 0.05 * rates[-1] + 0.2
+    share = 0.2 / stress
+    assert GAP / 2 * stress / (3 * 0.05) * (1 - 1.5 * share + 0.5 * share**3) == pytest.approx(VELOCITY, rel=2e-3)
+    assert (np.diff(distances) > 0).all()

@@ -25,9 +25,12 @@ from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import LOADS, Cell
-from tisph.scenes._scene import LEAST_JITTER
 from tisph.scenes._views import TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
+
+JITTER = 0.3
+"""Least random displacement of the particles at first, in spacings: columns of a lattice would leave all at once, and
+leave a void at the outlet."""
 
 
 def course_of(given: Any) -> Any:
@@ -153,7 +156,7 @@ class Stream(Cell):
 
     def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
         """Return x, y (particles,) of particles that fill the region."""
-        x, y = pack(self._filled, self.spacing, max(jitter, LEAST_JITTER), seed, self.particles).T
+        x, y = pack(self._filled, self.spacing, max(jitter, JITTER), seed, self.particles).T
         return x, y
 
     @property

@@ -213,7 +213,7 @@ class FickianShifting(Shifting):
             displacement += self.displacement_off_walls(i)
         for end in ti.static(range(self.open)):
             away = ti.abs(self.points.position[i].x - self.ends[end]) * self.per_spacing[None]
-            displacement.x *= ti.max(0.0, ti.min(1.0, away - 1.0))
+            displacement.x *= ti.max(0.0, ti.min(1.0, 0.5 * away - 1.0))
         return displacement
 
     @ti.func

@@ -10,8 +10,7 @@ the pressure's values first, and the normal derivatives as equations of the velo
 there since with p - S_yy constant across the outlet a developed flow leaves it as it came.
 
 The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
-step: at the outlet along its path, by Taylor series with the gradients at the end of the last step; at the inlet the
-given velocities, and v as the fluid in front of the inlet has it.
+step: at the outlet from the particles near it, at the inlet the given velocities, and v of the fluid in front of it.
 
 Within half a spacing of an end particles that flow out leave. As the fluid is incompressible and its region does not
 change, as much flows in, and each particle enters again: where the fluid flows in, in the middle of the largest void.
@@ -43,8 +42,9 @@ UNJUDGED = 5.0
 KEPT = "outlet_velocity", "v_slope", "passages", "due"
 """Arrays that a checkpoint keeps."""
 
-DEGREE, AROUND = 4, 40
-"""Degree of the polynomial, and number of points, from which a particle takes its time levels."""
+DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30, 2: 20}
+"""Degree of the polynomials from which particles that enter take their time levels, and the outlet its own, and numbers
+of points around them. With degree 4 the outlet, to which they extrapolate, would be unstable."""
 
 
 def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
@@ -62,8 +62,7 @@ class OpenWallBoundary(WallBoundary):
     """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
 
     ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``passages`` (fluid,): how often a
-    particle, by its number at the start, has left and entered. ``levels_at_outlet``: values and gradients, (points,
-    numbers) and (2, points, numbers), of each field that particles carry; ``v_slope``: dv/dx at the inlets' points.
+    particle, by its number at the start, has left and entered. ``v_slope``: dv/dx at the inlets' points.
     """
 
     def __init__(self, problem: Any, *others: Any) -> None:
@@ -75,7 +74,6 @@ class OpenWallBoundary(WallBoundary):
         self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
         self.first = problem.n_fluid + self.of_outlet[0]
         self.outlet = integer(self.first)
-        self.levels_at_outlet: list[tuple[np.ndarray, np.ndarray]]
         self.outflows: list[list[float]] = []
         self.passages = np.zeros(problem.n_fluid, dtype=int)
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
@@ -105,8 +103,6 @@ class OpenWallBoundary(WallBoundary):
         self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
         self.v_slope = np.zeros(len(self.of_inlets))
-        rest = [np.zeros((len(self.of_outlet), field.n)) for field in self.carried_fields]
-        self.levels_at_outlet = [(values, np.stack([values, values])) for values in rest]
 
     def set_grid(self, time: float) -> None:
         """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
@@ -167,16 +163,12 @@ class OpenWallBoundary(WallBoundary):
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
         elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
-        values, (d_dx, d_dy) = self.levels_at_outlet[0]
-        velocities = values[:, : components * VELOCITIES].reshape(len(values), VELOCITIES, components)
-        x, y = -np.einsum("q,iqc->ci", weights.step_integral(), velocities)
-        for field, (values, (d_dx, d_dy)) in zip(self.carried_fields, self.levels_at_outlet, strict=True):
-            moved = values + x[:, None] * d_dx + y[:, None] * d_dy
-            view(field)[self.first : self.problem.particles] = moved
         inlets = view(self.levels.fields)[self.problem.n_fluid : self.problem.particles]
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
+        outlet, place = np.arange(self.first, self.problem.particles), self.positions[: self.problem.n_fluid]
+        self.take_levels(outlet, self.walls.at(time)[0][self.of_outlet], np.arange(len(place)), place, OUTLET_DEGREE)
         self.exchange(dt, time)
         return super().predict(weights, dt, time)
 
@@ -238,13 +230,10 @@ class OpenWallBoundary(WallBoundary):
         self.outflows = [levels, *self.outflows][:LOAD_LEVELS]
 
     def store_ends(self) -> None:
-        """Store the time levels at the ends, with their gradients."""
+        """Store the outflow, and dv/dx at the inlets."""
         self.measure_outflow()
-        chosen = np.arange(self.first, self.problem.particles)
-        fields = [view(field).astype(float) for field in self.carried_fields]
-        self.levels_at_outlet = [(values[chosen], self.slopes(chosen, values)) for values in fields]
-        inlets = self.problem.n_fluid + self.of_inlets
-        self.v_slope = self.slopes(inlets, fields[0][:, 1:2])[0, :, 0]
+        values = view(self.levels.fields)[:, 1:2].astype(float)
+        self.v_slope = self.slopes(self.problem.n_fluid + self.of_inlets, values)[0, :, 0]
 
     # Particles that leave and enter -----------------------------------------------------------------------------------
 
@@ -278,26 +267,28 @@ class OpenWallBoundary(WallBoundary):
         self.replaced = slots, [view(field)[slots] for field in fields], self.due
         self.due = due
         if len(slots):
-            self.enter(slots, np.array(places), sources, place[sources])
+            self.take_levels(slots, np.array(places), sources, place[sources], DEGREE)
+            view(self.points.position)[slots] = places
 
-    def enter(self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray) -> None:
-        """Put the particles in ``slots`` at ``places``, with the time levels that the fluid has there.
+    def take_levels(
+        self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray, degree: int
+    ) -> None:
+        """Give the points in ``slots`` the time levels that the fluid has at ``places`` (n, 2).
 
-        ``sources``: slots of all other points, which are at ``of_sources`` (n, 2).
+        ``sources``: slots of the points from which they come, which are at ``of_sources`` (m, 2). ``degree``: of the
+        polynomials through them.
         """
         from scipy.spatial import cKDTree
 
         tree = cKDTree(of_sources)
-        distance, nearest = tree.query(places, AROUND)
+        distance, nearest = tree.query(places, AROUND[degree])
         radius = distance[:, -1:]
-        apart = (tree.data[nearest] - places[:, None]) / radius[..., None]
-        x, y = apart[..., 0], apart[..., 1]
-        basis = np.stack([x**a * y**b for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a)], axis=1)
+        x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
+        basis = np.stack([x**a * y**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
         weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
         for field in (*self.carried_fields, self.levels.divergence):
             values = view(field)[sources[nearest]].astype(float)
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
-        view(self.points.position)[slots] = places
 
     def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step; particles that enter later are at the ends."""
@@ -317,13 +308,11 @@ class OpenWallBoundary(WallBoundary):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         arrays = {name: getattr(self, name).tolist() for name in KEPT}
-        levels = [[part.tolist() for part in pair] for pair in self.levels_at_outlet]
-        return {**super().host_state(), **arrays, "ends": levels, "outflows": self.outflows}
+        return {**super().host_state(), **arrays, "outflows": self.outflows}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         for name in KEPT:
             setattr(self, name, np.array(state[name]))
-        self.levels_at_outlet = [(np.array(values), np.array(slopes)) for values, slopes in state["ends"]]
         self.outflows = state["outflows"]

@@ -98,7 +98,7 @@ class SplittingScheme(ControlledScheme):
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
         near_walls: tuple[Any, ...] = (MAX_WALLS, bool(problem.contact), walls.across_axis) if walls else ()
-        self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)
+        self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)  # type: ignore[misc]
         self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
         self.extra_stress = extra_stress_of(problem, self.levels)
         self.boundary = boundary_of(problem, self.levels, self.shift, self.grid, self.extra_stress)

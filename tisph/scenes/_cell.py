@@ -201,6 +201,9 @@ class Cell(BodyScene):
     walls: tuple[tuple[str, WallMotion], ...] = ()
     initial_velocity: Callable | None = None
 
+    without_bodies = "all"
+    """Whose height the reference length is without bodies."""
+
     @classmethod
     def around(cls, config: Any, bodies: Sequence[Body], enclosing: dict[str, Body], **others: Any) -> "Cell":
         """Return the scene of a ``config`` with ``bodies`` in the fluid and the ``enclosing`` walls, by their names."""
@@ -661,7 +664,7 @@ class Cell(BodyScene):
         width, height = self.size
         known, cause = self._cause()
         about, digits = ("", 6) if known else ("about ", 2)
-        of = "the largest body" if self.count else "all"
+        of = "the largest body" if self.count else self.without_bodies
         lines = [
             ("Reynolds number", f"{about}{self.reynolds:.{digits}g}  (U d / nu)"),
             ("speed U", f"{about}{self.reference_velocity:.{digits}g} {length}/{time}, {cause}"),

@@ -119,6 +119,8 @@ def profile_problems(config: Any) -> Iterator[Problem]:
 class Stream(Cell):
     """Flow through a channel from an inlet to an outlet: the last two ``bodies``, in this order."""
 
+    without_bodies = "the inlet"
+
     @classmethod
     def from_config(cls, config: Any) -> "Cell":
         """Return the scene that a validated config describes."""

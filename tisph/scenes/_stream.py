@@ -124,8 +124,9 @@ class Stream(Cell):
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
-        along = self.inlet.course.largest_speed * self.inlet.shape.normal[0]
-        return "inlet", "velocity", (float(along), 0.0)
+        course = self.inlet.course
+        name = "inlet" if isinstance(course, Course) and not course.wave.amplitude else "inlet up to"
+        return name, "velocity", (float(course.largest_speed * self.inlet.shape.normal[0]), 0.0)
 
     @property
     def flow_quantities(self) -> tuple[str, ...]:
@@ -144,15 +145,19 @@ class Stream(Cell):
         return self.bodies[:-2]
 
     def velocities(self, snapshot: Snapshot) -> dict[str, float]:
-        """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``."""
-        rates: Any = snapshot.flow_rates
-        inflow, outflow = (0.0, 0.0) if rates is None else (float(rates[0]), -float(rates[1]))
+        """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``.
+
+        NaN before the first step.
+        """
+        if snapshot.flow_rates is None:
+            return dict.fromkeys(("inflow", "outflow", "pressure_drop"), math.nan)
+        inflow, outflow = float(snapshot.flow_rates[0]), -float(snapshot.flow_rates[1])
         at_ends = [float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean()) for body in self.bodies[-2:]]
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": at_ends[0] - at_ends[1]}
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
-        """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them."""
-        if not np.isfinite(snapshot.pressure).all():
+        """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
+        if not (len(snapshot.pressure) and np.isfinite(snapshot.pressure).all()):
             return np.full(len(points), np.nan)
         tree, _ = periodic_tree(self, np.stack([snapshot.x, snapshot.y], axis=1).astype(float))
         return local_fits(tree, points, snapshot.pressure[:, None].astype(float), 2)[0][:, 0, 0]
@@ -242,6 +247,11 @@ class Stream(Cell):
                 ("pressure drop", "stress"),
             ],
         )
+
+    def movie_series(self) -> TimeSeries:
+        """Return forces on the bodies; without bodies the flow rates."""
+        flows = ("inflow", "outflow"), "flow rate per length", "planar_flow_rate"
+        return super().movie_series() if self.count else self.time_series().only(*flows)
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""

@@ -215,3 +215,24 @@ def test_a_constant_number_is_not_on_the_edge_of_its_plot(make):
     values = np.ones((20, len(scene.time_series().columns)))
     for axes in history_figure(scene, {}, np.linspace(0.0, 1.0, 20), values).axes:
         assert axes.get_ylim()[1] > 1.03
+
+
+@pytest.mark.parametrize(
+    ("overrides", "known"),
+    [
+        ((), True),
+        ((MIRRORED,), True),
+        ((CIRCLE,), False),
+        (("initial.state=rest",), False),
+        (("ends.left={type: inlet, velocity: 1.0, profile: uniform}",), False),
+        (("walls.top.velocity=1.0",), False),
+        (("ends.left={type: inlet, velocity: 1.0, amplitude: 0.5, angular_frequency: 2.0}",), False),
+    ],
+)
+def test_the_profile_has_its_reference_where_poiseuille_flow_is_exact(make, overrides, known):
+    _, scene, start = make(*overrides)
+    profile, _ = scene.profiles()
+    assert (profile.exact is not None) == known
+    if known:
+        assert profile.exact(1.0, start.y, 0.7) == pytest.approx(start.u)
+        assert profile.extremes(0.0, 1.0) == pytest.approx(tuple(sorted((0.0, 1.5 * np.sign(start.u[0])))))

@@ -22,7 +22,7 @@ from tisph.geometry.region import Region
 from tisph.measures.fits import local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import LOADS, Cell
 from tisph.scenes._scene import LEAST_JITTER
-from tisph.scenes._views import TimeSeries, planar_diagnostics
+from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 
 
@@ -124,9 +124,14 @@ class Stream(Cell):
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
+        along = self.inlet.course.largest_speed * self.inlet.shape.normal[0]
+        return "inlet" if self._constant else "inlet up to", "velocity", (float(along), 0.0)
+
+    @property
+    def _constant(self) -> bool:
+        """Whether the mean velocity through the inlet is constant."""
         course = self.inlet.course
-        name = "inlet" if isinstance(course, Course) and not course.wave.amplitude else "inlet up to"
-        return name, "velocity", (float(course.largest_speed * self.inlet.shape.normal[0]), 0.0)
+        return isinstance(course, Course) and not course.wave.amplitude
 
     @property
     def flow_quantities(self) -> tuple[str, ...]:
@@ -219,6 +224,17 @@ class Stream(Cell):
                 place = None if k is None else float(x[k] + (x[k + 1] - x[k]) * along[k] / (along[k] - along[k + 1]))
                 found[f"{kind}_{name[1:]}"] = place
         return found
+
+    def profiles(self) -> list[Profile]:
+        """Return both components of the velocity across the middle, u with Poiseuille flow where this is exact."""
+        (u, v), flow, moving = super().profiles(), self.initial_velocity, super().driven_wall > 0.0
+        low, high = self.inlet.shape.extent[:, 1]
+        part = np.linspace(0.1, 0.9, 5)
+        parabolic = np.allclose(self.inlet.profile.value(low + part * (high - low)), 6.0 * part * (1.0 - part))
+        if not (flow and parabolic and self._constant) or self.count or self.rheology or moving or self._stepped:
+            return [u, v]
+        scale = self.reference_velocity, self.velocity_name("mean velocity")
+        return [replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0], scale=scale), v]
 
     def time_series(self) -> TimeSeries:
         """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop."""

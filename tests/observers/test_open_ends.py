@@ -225,7 +225,6 @@ def test_a_constant_number_is_not_on_the_edge_of_its_plot(make):
         ((CIRCLE,), False),
         (("initial.state=rest",), False),
         (("ends.left={type: inlet, velocity: 1.0, profile: uniform}",), False),
-        (("walls.top.velocity=1.0",), False),
         (("ends.left={type: inlet, velocity: 1.0, amplitude: 0.5, angular_frequency: 2.0}",), False),
     ],
 )

@@ -12,7 +12,7 @@ STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 STRESSES_AROUND = ("stress_tt", "stress_xt", "stress_yt")
 """Further components in axisymmetric flow, the last two where walls rotate around the axis."""
 
-OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND)
+OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND, "passages")
 """Fields that only some flows have."""
 
 

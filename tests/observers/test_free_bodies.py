@@ -242,7 +242,7 @@ def test_bodies_leave_wider_tracks_that_end_at_periodic_sides(make):
     assert (((columns > 1.7 - head) & (columns < 1.9 + head)) | ((columns > 0.1 - head) & (columns < 0.3 + head))).all()
     assert (columns > 1.7).any()
     thin = [
-        SimpleNamespace(t=state.t, x=np.array([x % 2.0]), y=np.array([0.5]))
+        SimpleNamespace(t=state.t, x=np.array([x % 2.0]), y=np.array([0.5]), passages=None)
         for state, x in zip(states, places, strict=True)
     ]
     middle = int(1.8 * layout.pixels_per_length)

@@ -104,9 +104,9 @@ def box():
 def test_dye_stays_with_its_particles(pattern):
     x, y, _ = places(20)
     dye = Dye(box(), pattern)
-    first = dye.of(SimpleNamespace(x=x, y=y))
+    first = dye.of(SimpleNamespace(x=x, y=y, passages=None))
     assert set(np.unique(first)) == {0.0, 1.0}
-    assert np.array_equal(dye.of(SimpleNamespace(x=y, y=x)), first)
+    assert np.array_equal(dye.of(SimpleNamespace(x=y, y=x, passages=None)), first)
     share = {"stripes": 0.5, "checkerboard": 0.5, "blob": np.pi * 0.15**2 / 1.5}[pattern]
     assert first.mean() == pytest.approx(share, abs=0.02)
 
@@ -117,7 +117,7 @@ def test_a_track_follows_its_particle_and_ends_at_a_periodic_side():
     tracks, panel = Tracks(scene, layout), np.full((layout.box.height, layout.box.width, 3), 255, dtype=np.uint8)
     for t, x in ((0.0, 1.2), (1.0, 1.4), (2.0, 0.1), (3.0, 0.3)):
         panel[:] = 255
-        tracks.paint(panel, SimpleNamespace(t=t, x=np.array([x]), y=np.array([0.5])))
+        tracks.paint(panel, SimpleNamespace(t=t, x=np.array([x]), y=np.array([0.5]), passages=None))
     dark = np.flatnonzero(panel[:, :, 0].min(axis=0) < 100) / layout.pixels_per_length
     head = 4.0 * layout.scale / layout.pixels_per_length
     on_track = [(low - head < dark) & (dark < high + head) for low, high in ((1.2, 1.4), (0.1, 0.3))]

@@ -85,7 +85,7 @@ class Description:
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
-STATE = ("divergence", "steepest", "added_power", "load_scatter", "acceleration")
+STATE = ("divergence", "steepest", "added_power", "load_scatter", "acceleration", "flow_rates", "backflow")
 """Attributes of a group beside ``t`` and ``step`` that only some schemes have: see ``Snapshot``."""
 
 BODIES = "bodies"
@@ -232,8 +232,10 @@ def read_snapshots(path: Path, fields: tuple[str, ...] = FIELDS) -> Iterator[Sna
             yield Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), **stored)
 
 
-FRAME_FIELDS = ("x", "y", "u", "v", "w", "stress_xy")
-"""Fields that every movie may show: the stress exists only with polymer, w only in axisymmetric flow."""
+FRAME_FIELDS = ("x", "y", "u", "v", "w", "stress_xy", "passages")
+"""Fields that every movie may show: the stress exists only with polymer, w only in axisymmetric flow.
+
+``passages`` exist only with open ends."""
 
 FRAME_DELAY = 5.0
 """Seconds of the clock between two writings of frames: one at a time takes longer than many a simulation, and every

@@ -68,6 +68,8 @@ def fields(particles: Particles) -> Iterator[Field]:
     """Yield the fields of the particles, and of the reference at each, whose names end in ``_exact``."""
     units = particles.units
     yield "particle", np.arange(len(particles["x"])), ""
+    if "passages" in units:
+        yield "passages", particles["passages"], ""
     for suffix in ("", "_exact"):
         for name, parts in (("velocity", ("u", "v", "w")), ("stress", STRESS)):
             if parts[0] + suffix in units:

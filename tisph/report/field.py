@@ -29,19 +29,31 @@ _BLOB = 0.25, 0.5, 0.15  # where the middle of a blob is in the box, and its rad
 
 
 class Dye:
-    """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob."""
+    """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob.
+
+    Fluid that enters through an inlet is in bands across it, or behind a blob in one band: streaklines.
+    """
 
     def __init__(self, scene: Any, pattern: str):
         self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
-        self._share = getattr(self, f"_{pattern}")
-        self._first: np.ndarray | None = None
+        self._pattern, self._share = pattern, getattr(self, f"_{pattern}")
+        self._colours: np.ndarray | None = None
+        self._passages: np.ndarray | None = None
 
     def of(self, snapshot: Snapshot) -> np.ndarray:
-        """Return 0 or 1 for each particle, by where it was in the first snapshot for which this was called."""
-        if self._first is None:
-            places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
-            self._first = self._share(np.where(np.isfinite(places), places, 0.0) - self._low)
-        return self._first
+        """Return 0 or 1 for each particle, by where it was in the first snapshot for which this was called.
+
+        A particle that has entered since an earlier call gets its colour by its height in this snapshot.
+        """
+        places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+        places = np.where(np.isfinite(places), places, 0.0) - self._low
+        if self._colours is None:
+            self._colours = self._share(places)
+        elif snapshot.passages is not None and self._passages is not None:
+            entered = snapshot.passages != self._passages
+            self._colours = np.where(entered, self._band(places[:, 1]), self._colours)
+        self._passages = snapshot.passages
+        return self._colours
 
     def _stripes(self, places: np.ndarray) -> np.ndarray:
         return np.floor(_STRIPES * places[:, 0] / self._size[0]) % 2
@@ -53,6 +65,11 @@ class Dye:
         aim = np.array(_BLOB[:2]) * self._size
         middle = places[np.argmin(np.linalg.norm(places - aim, axis=1))]  # in the fluid, wherever bodies are
         return (np.linalg.norm(places - middle, axis=1) < _BLOB[2] * self._size.min()).astype(float)
+
+    def _band(self, height: np.ndarray) -> np.ndarray:
+        if self._pattern == "blob":
+            return (np.abs(height - _BLOB[1] * self._size[1]) < _BLOB[2] * self._size.min()).astype(float)
+        return np.floor(_SQUARES * height / self._size.min()) % 2
 
 
 _MOST = 40_000  # nodes

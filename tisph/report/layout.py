@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from tisph.geometry.ends import OpenEnd
 from tisph.report import style
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
+LONGEST_OPEN = 8.0  # heights likewise of a box with open ends: the flow is not periodic, and the outlet is a part of it
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 _LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
 _LEAST_BOX = 400  # pixels likewise: width of the box with the labels beside it
@@ -106,7 +108,8 @@ def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGH
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
-    shown = min(size_x, LONGEST_SHOWN * size_y)
+    longest = LONGEST_OPEN if any(isinstance(body, OpenEnd) for body in scene.bodies) else LONGEST_SHOWN
+    shown = min(size_x, longest * size_y)
     wall = px(22) if scene.walls else 0
     left, top, bar, right = px(84), px(102) + wall, px(96), width - px(28)
     under, panel_width, panel_height = wall + px(56), px(_LEAST_PANEL[0]), px(_LEAST_PANEL[1])

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import Body, Placement
+from tisph.geometry.ends import OpenEnd
 from tisph.geometry.outline import Outline
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
@@ -57,7 +58,9 @@ class Solids:
         self._layout = layout
         self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
-        self._solids = [_kind(body)(body, layout, _MARK_LENGTH * max(scene.extent)) for body in scene.bodies]
+        length, solids = _MARK_LENGTH * max(scene.extent), [not isinstance(body, OpenEnd) for body in scene.bodies]
+        self._chosen = np.flatnonzero(solids)
+        self._solids = [_kind(scene.bodies[k])(scene.bodies[k], layout, length) for k in self._chosen]
         self._position: tuple[bytes, ...] | None = None
         self._covers: Any = None
         above = np.arange(self._shape[0])[:, None] < layout.pixel_positions(0.0, 0.0)[1]
@@ -80,10 +83,10 @@ class Solids:
         """Return which pixels are all within areas, the coverage of the others by areas, and of all by lines."""
         areas, lines = np.zeros(self._shape, dtype=np.uint8), []
         turns = np.sign(bodies.angular_velocity)
-        for solid, part, *place in zip(self._solids, self._parts, bodies.centre, bodies.angle, turns, strict=True):
-            for edge, strokes in solid.drawn(*place):
+        for solid, k in zip(self._solids, self._chosen, strict=True):
+            for edge, strokes in solid.drawn(bodies.centre[k], bodies.angle[k], turns[k]):
                 area = filled(self._layout.pixel_positions(*edge.T), self._shape)
-                areas = np.maximum(areas, part * (area if solid.encloses else LEVELS - area))
+                areas = np.maximum(areas, self._parts[k] * (area if solid.encloses else LEVELS - area))
                 lines += [self._layout.pixel_positions(*stroke.T) for stroke in strokes]
         within = areas >= LEVELS
         strokes = self._pen.cover(dense_lines(lines))
@@ -208,7 +211,7 @@ _BODIES = 1.6  # times as wide are the lines of bodies, and their dots
 
 
 class Tracks:
-    """Paints the paths of evenly chosen particles over the last frames; a path ends at a periodic side."""
+    """Paints the paths of evenly chosen particles over the last frames; a path ends at a periodic side or an outlet."""
 
     width = 1.0  # of lines and dots
 
@@ -224,18 +227,19 @@ class Tracks:
         times = sorted(time for time in self._seen if time <= snapshot.t)[-_FRAMES:]
         paths = np.array([self._seen[time] for time in times])
         pieces = [piece for path in paths.transpose(1, 0, 2) for piece in self._pieces(path) if len(piece) > 1]
-        self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T) for piece in pieces))
-        blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T)), style.rgb(INK))
+        self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T[:2]) for piece in pieces))
+        blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T[:2])), style.rgb(INK))
 
     def _places(self, snapshot: Snapshot) -> np.ndarray:
-        """Return where they are (n, 2), in the box."""
+        """Return where they are in the box, and how often each has left through an outlet, (n, 3)."""
         chosen = style.evenly_chosen(len(snapshot.x), _PARTICLES)
-        return np.stack([snapshot.x[chosen], snapshot.y[chosen]], axis=1).astype(float)
+        passages = np.zeros(len(snapshot.x)) if snapshot.passages is None else snapshot.passages
+        return np.stack([snapshot.x[chosen], snapshot.y[chosen], passages[chosen]], axis=1).astype(float)
 
     def _pieces(self, path: np.ndarray) -> list[np.ndarray]:
-        """Return a path (frames, 2) in pieces between the sides through which it has left the box."""
+        """Return a path (frames, 3) in pieces between the sides and outlets through which it has left the box."""
         path = path[np.isfinite(path).all(axis=1)]
-        jumps = np.abs(np.diff(path, axis=0)) > 0.5 * np.array(self._scene.extent)
+        jumps = np.abs(np.diff(path, axis=0)) > 0.5 * np.array([*self._scene.extent, 1.0])
         return np.split(path, np.flatnonzero(jumps.any(axis=1)) + 1)
 
 
@@ -249,10 +253,11 @@ class BodyTracks(Tracks):
         self._free = [index for index, body in enumerate(scene.bodies) if body.free]
 
     def _places(self, snapshot: Snapshot) -> np.ndarray:
-        """Return where their centres are (n, 2), in the box."""
+        """Return where their centres are in the box, and that none leaves through an outlet, (n, 3)."""
         bodies: Any = snapshot.bodies
         centre, low = bodies.centre[self._free], np.array(self._scene.origin)
-        return np.where(self._scene.periodic, low + (centre - low) % self._scene.extent, centre)
+        inside = np.where(self._scene.periodic, low + (centre - low) % self._scene.extent, centre)
+        return np.pad(inside, ((0, 0), (0, 1)))
 
 
 _PITCH = 40.0  # pixels in a frame of 1280 x 640: distance of arrows

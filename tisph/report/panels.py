@@ -34,7 +34,7 @@ class TimePanel:
         levels = np.ravel(series.levels if exact is None else ())[:NUMBERS]
         self.levels = _scaled(series, levels) if len(levels) else levels
         within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
-        if series.unit in ("energy", "velocity"):  # sizes are the content, not changes alone
+        if series.unit in ("energy", "velocity", "planar_flow_rate"):  # sizes are the content, not changes alone
             within.append(0.0)
         low, high = min(within), max(within)
         least = scene.spacing if series.unit == "length" else 0.0  # less is no motion that can be seen

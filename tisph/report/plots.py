@@ -121,8 +121,9 @@ def _lines(
         low, high = axes.get_ylim()
         panel: Any = series.panels[chosen[0]]
         kind = panel[1]
-        middle = 0.5 * (low + high) if kind in ("length", "angle") else 0.0
+        middle, beyond = (0.5 * (low + high), 1.0) if kind in ("length", "angle") else (0.0, 1.05)
         ends = [0.0 if kind == "energy" else middle - least, middle + least, *(1.05 * level for level in known)]
+        ends += [beyond * low, beyond * high]  # a constant number is not on the frame
         axes.set_ylim(min(low, *ends), max(high, *ends))
 
 

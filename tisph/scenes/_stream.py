@@ -25,7 +25,7 @@ from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import LOADS, Cell
-from tisph.scenes._views import TimeSeries, planar_diagnostics
+from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 
 JITTER = 0.3
@@ -185,7 +185,13 @@ class Stream(Cell):
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
         along = self.inlet.course.largest_speed * self.inlet.shape.normal[0]
-        return "inlet", "velocity", (float(along), 0.0)
+        return "inlet" if self._constant else "inlet up to", "velocity", (float(along), 0.0)
+
+    @property
+    def _constant(self) -> bool:
+        """Whether the mean velocity through the inlet is constant."""
+        course = self.inlet.course
+        return isinstance(course, Course) and not course.wave.amplitude
 
     @property
     def flow_quantities(self) -> tuple[str, ...]:
@@ -204,9 +210,13 @@ class Stream(Cell):
         return self.bodies[:-2]
 
     def velocities(self, snapshot: Snapshot) -> dict[str, float]:
-        """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``."""
-        rates: Any = snapshot.flow_rates
-        inflow, outflow = (0.0, 0.0) if rates is None else (float(rates[0]), -float(rates[1]))
+        """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``.
+
+        NaN before the first step.
+        """
+        if snapshot.flow_rates is None:
+            return dict.fromkeys(("inflow", "outflow", "pressure_drop"), math.nan)
+        inflow, outflow = float(snapshot.flow_rates[0]), -float(snapshot.flow_rates[1])
         at_ends = [
             float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean())
             for body in self.bodies[-2:]
@@ -214,8 +224,8 @@ class Stream(Cell):
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": at_ends[0] - at_ends[1]}
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
-        """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them."""
-        if not np.isfinite(snapshot.pressure).all():
+        """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
+        if not (len(snapshot.pressure) and np.isfinite(snapshot.pressure).all()):
             return np.full(len(points), np.nan)
         tree, _ = periodic_tree(self, np.stack([snapshot.x, snapshot.y], axis=1).astype(float))
         return local_fits(tree, points, snapshot.pressure[:, None].astype(float), 2)[0][:, 0, 0]
@@ -279,6 +289,17 @@ class Stream(Cell):
                 found[f"{kind}_{name[1:]}"] = place
         return found
 
+    def profiles(self) -> list[Profile]:
+        """Return both components of the velocity across the middle, u with Poiseuille flow where this is exact."""
+        (u, v), flow = super().profiles(), self.initial_velocity
+        low, high = self.inlet.shape.extent[:, 1]
+        part = np.linspace(0.1, 0.9, 5)
+        parabolic = np.allclose(self.inlet.profile.value(low + part * (high - low)), 6.0 * part * (1.0 - part))
+        if not (flow and parabolic and self._constant) or self.count or self.rheology or self._stepped:
+            return [u, v]
+        scale = self.reference_velocity, self.velocity_name("mean velocity")
+        return [replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0], scale=scale), v]
+
     def time_series(self) -> TimeSeries:
         """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop."""
         chosen = self.names[: self.count] or tuple(name for name, _ in self._walls)
@@ -306,6 +327,11 @@ class Stream(Cell):
                 ("pressure drop", "stress"),
             ],
         )
+
+    def movie_series(self) -> TimeSeries:
+        """Return forces on the bodies; without bodies the flow rates."""
+        flows = ("inflow", "outflow"), "flow rate per length", "planar_flow_rate"
+        return super().movie_series() if self.count else self.time_series().only(*flows)
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""

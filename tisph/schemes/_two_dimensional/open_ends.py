@@ -209,13 +209,13 @@ class OpenWallBoundary(WallBoundary):
             self.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
 
-    def through_ends(self, time: float, weights: TimeWeights, offset: float, created: np.ndarray) -> Mapping[str, Any]:
-        """Return the numbers of a ``Snapshot`` about open ends, by name; ``created``: order of the particles."""
+    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name."""
         inlet = self.walls.bodies[-2]
         level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
         outflow, backflow = level_weights @ np.array(self.outflows)
         rates = np.array([float(inlet.course.velocity(time)) * inlet.shape.length, -outflow])
-        return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages[created]}
+        return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages.copy()}
 
     def measure_outflow(self) -> None:
         """Store the flow rate out of the outlet, the integral of a cubic spline, and the largest backflow."""

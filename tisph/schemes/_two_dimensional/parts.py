@@ -200,8 +200,8 @@ class Boundary:
         """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
         return None
 
-    def through_ends(self, time: float, weights: TimeWeights, offset: float, created: np.ndarray) -> Mapping[str, Any]:
-        """Return the numbers of a ``Snapshot`` about open ends, by name; ``created``: order of the particles."""
+    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name."""
         return {}
 
     @property

@@ -391,7 +391,7 @@ class SplittingScheme(ControlledScheme):
             density=np.full(len(position), problem.density),
             pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
             bodies=boundary.bodies(time, weights, offset),
-            **boundary.through_ends(time, weights, offset, created),
+            **boundary.through_ends(time, weights, offset),
             load_scatter=boundary.load_scatter,
             divergence=self.residual,
             acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,

@@ -242,17 +242,20 @@ class OpenWallBoundary(WallBoundary):
         spacing, fluid = self.problem.spacing, self.problem.n_fluid
         place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
         place[self.slots], normal, _ = self.walls.at(time)
-        leaving = np.zeros(fluid, dtype=bool)
+        left = np.full(fluid, np.inf)  # distance of the fluid that flows out of an end, in spacings
         for body, _ in self.ends:
-            distance = body.nearest(place[:fluid] + self.walls.origin).distance
-            leaving |= (distance < LEAST_DISTANCE * spacing) & (velocity[:fluid] @ body.shape.normal < 0.0)
+            distance = body.nearest(place[:fluid] + self.walls.origin).distance / spacing
+            left = np.where(velocity[:fluid] @ body.shape.normal < 0.0, np.minimum(left, distance), left)
         points = fluid + np.concatenate([part for _, part in self.ends])
         normal = normal[points - fluid]
         inwards = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
         due = self.due + dt * inwards * self.walls.length[points - fluid] / spacing**2
-        slots = np.flatnonzero(leaving)
-        slots = slots[np.argsort(view(self.levels.number)[slots])]  # their order in memory has no meaning
-        others, places = place[:fluid][~leaving], []
+        wanted = max(np.count_nonzero(left < LEAST_DISTANCE), np.count_nonzero(due >= 1.0))
+        slots = np.argsort(left)[:wanted]  # those that are about to leave go where others are overdue
+        slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
+        staying = np.ones(fluid, dtype=bool)
+        staying[slots] = False
+        others, places = place[:fluid][staying], []
         for _ in slots:
             best = int(np.argmax(due))
             due[best] -= 1.0
@@ -262,7 +265,7 @@ class OpenWallBoundary(WallBoundary):
             walls = [body.nearest(around + self.walls.origin).distance for body in self.solid]
             places.append(around[np.argmax(np.minimum(room, 2.0 * np.min(walls, axis=0)))])
             others = np.append(others, places[-1:], axis=0)
-        sources = np.append(np.flatnonzero(~leaving), np.arange(fluid, len(place)))
+        sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
         fields = *self.carried_fields, self.levels.divergence
         self.replaced = slots, [view(field)[slots] for field in fields], self.due
         self.due = due

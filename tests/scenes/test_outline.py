@@ -55,7 +55,8 @@ def test_ends_reach_from_wall_to_wall(tmp_path):
 def test_particles_fill_the_region_behind_a_step(tmp_path):
     scene = scenes.of(loaded(tmp_path))
     places = np.stack(scene.jittered(1, 0.1), axis=1)
-    assert abs(len(places) - 1.6 / scene.spacing**2) < 0.3 * 12  # the ends are moved in by 0.3 spacings
+    moved = 0.3 * (0.5 + 1.0) / scene.spacing  # particles keep 0.3 spacings away from both ends
+    assert abs(len(places) - (1.6 / scene.spacing**2 - moved)) <= 0.5
     assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing
     gap = dict(scene.parameters())["narrowest gap"]
     assert gap.startswith("0.5 m, 6 spacings")  # the ends are no walls

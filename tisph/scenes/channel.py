@@ -243,9 +243,7 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a length that the spacing does not divide, or that is too short."""
-        if self.ends:
-            return
-        wrong = checks.incommensurate_columns(self)
+        wrong = [] if self.ends else checks.incommensurate_columns(self)
         yield from wrong
         least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)
         if not wrong and self.columns < least:

@@ -25,10 +25,12 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
+from tisph.least_squares import SKIN
 from tisph.runtime import integer, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import LOAD_LEVELS, WallBoundary
+from tisph.schemes._two_dimensional.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
 from tisph.solvers.stokes import WallRows
 
 AWAY, ALONG = (
@@ -36,8 +38,12 @@ AWAY, ALONG = (
 )
 """Places at which a particle may enter, from a point of an end: distances from the end and along it, in spacings."""
 
+END_SUPPORT = 1.0
+"""By how much supports are wider at an end, in particle spacings, in addition to what they are at walls: where a layer
+of particles has passed it, the next is up to 1.3 spacings away, and too few layers would be left for derivatives."""
+
 UNJUDGED = 5.0
-"""Distance from an end, in particle spacings, up to which the error of a step does not count."""
+"""Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count."""
 
 KEPT = "outlet_velocity", "v_slope", "passages", "due"
 """Arrays that a checkpoint keeps."""
@@ -98,7 +104,7 @@ class OpenWallBoundary(WallBoundary):
         """Return to the state before the first step."""
         super().reset()
         self.replaced = None
-        self.due = np.zeros(len(self.due))
+        self.due = np.full(len(self.due), 0.5)  # the first layer has come half a spacing from where it would enter
         self.passages[...] = 0
         self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
@@ -115,8 +121,14 @@ class OpenWallBoundary(WallBoundary):
         self.grid_time = time
 
     def move(self, time: float) -> None:
-        """Set the points at ``time``; the outlet's have their newest velocities."""
+        """Set the points at ``time``; the outlet's have their newest velocities. Supports near ends are wider."""
         super().move(time)
+        spacing, factor = self.problem.spacing, view(self.operators.support_factor)[: self.problem.particles]
+        away = np.min([np.abs(self.positions[:, 0] - end) for end in self.problem.open_ends], axis=0) / spacing
+        near = np.clip(1.0 - away / UNJUDGED, 0.0, 1.0)
+        widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.support
+        factor[...] = np.minimum(factor + END_SUPPORT / self.support * near, widest)
+        view(self.points.radius)[: self.problem.particles] = (self.support * factor + SKIN) * spacing
         self.velocity[self.of_outlet] = self.outlet_velocity
 
     def jump(self, time: float) -> None:

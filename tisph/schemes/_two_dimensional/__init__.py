@@ -22,6 +22,9 @@ from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolu
 CROWDING = 1.6
 """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
 
+CROWDING_AT_ENDS = 1.4
+"""The same near open ends, where supports are wider."""
+
 COST, OVERHEAD = 3.5e-6, 2e-3
 """Rough cost of one particle and step on two threads, and of a step whatever the number of particles [s]."""
 
@@ -166,7 +169,7 @@ class BoundedProblem(_Problem):
     @property
     def crowding(self) -> float:
         """Factor of the largest number of neighbours."""
-        return CROWDING if self.contact else 1.0
+        return CROWDING if self.contact else CROWDING_AT_ENDS if self.open_ends else 1.0
 
     @property
     def particles(self) -> int:

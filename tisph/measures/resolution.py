@@ -154,13 +154,13 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
     if drift > LARGEST_DRIFT:
         text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
         return f"drift {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
-    if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
-        text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
-        return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
     if snapshot.backflow is not None and snapshot.backflow > LARGEST_BACKFLOW * scene.reference_velocity:
         found = snapshot.backflow / scene.reference_velocity
         text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
         return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
+    if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
+        text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
+        return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
     if snapshot.added_power is not None and snapshot.added_power > LARGEST_ADDED_POWER:
         found = snapshot.added_power
         text = f"errors of the viscous force, where the viscosity jumps, do {found:.2g} of the dissipation"

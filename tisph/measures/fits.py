@@ -67,16 +67,19 @@ UNDETERMINED = 1e-13
 """Eigenvalues of the equations of a fit, over the largest, that count as 0: disordered particles have 4e-11 or more."""
 
 
-def interpolated(scene: Any, positions: np.ndarray, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+def interpolated(
+    scene: Any, positions: np.ndarray, values: np.ndarray, points: np.ndarray, fit: tuple[int, int] = PLANE
+) -> np.ndarray:
     """Interpolate ``values`` (particles, fields) at ``positions`` (particles, 2) to ``points`` (n, 2).
 
     Returns an array (n, fields), NaN where any number is not finite. In parallel flow the values depend on y alone.
-    Rows and columns of a lattice leave terms of the fits undetermined, which are then as small as possible.
+    Rows and columns of a lattice leave terms of the fits undetermined, which are then as small as possible. ``fit``:
+    degree and number of particles of fits in the plane.
     """
     if not _finite(values, positions):
         return np.full((len(points), values.shape[1]), np.nan)
     axes = [1] if scene.parallel else [0, 1]
-    degree, near = ACROSS if scene.parallel else PLANE
+    degree, near = ACROSS if scene.parallel else fit
     near = min(near * scene.columns if scene.parallel else near, len(positions))
     tree, _ = periodic_tree(scene, positions, axes)
     points = _wrapped(points[:, axes], _sizes(scene, axes))

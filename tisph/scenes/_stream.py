@@ -32,6 +32,9 @@ JITTER = 0.3
 """Least random displacement of the particles at first, in spacings: columns of a lattice would leave all at once, and
 leave a void at the outlet."""
 
+BEYOND = 4, 40
+"""Degree and number of particles of fits that extrapolate a pressure to walls and ends."""
+
 
 def course_of(given: Any) -> Any:
     """Return the mean velocity over time of an inlet of a config."""
@@ -225,10 +228,8 @@ class Stream(Cell):
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
-        if not (len(snapshot.pressure) and np.isfinite(snapshot.pressure).all()):
-            return np.full(len(points), np.nan)
-        tree, _ = periodic_tree(self, np.stack([snapshot.x, snapshot.y], axis=1).astype(float))
-        return local_fits(tree, points, snapshot.pressure[:, None].astype(float), 2)[0][:, 0, 0]
+        positions, pressure = np.stack([snapshot.x, snapshot.y], axis=1), snapshot.pressure[:, None]
+        return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
         """Return ``loads``, their coefficients, flow rates, pressures and ``planar_diagnostics`` by name.

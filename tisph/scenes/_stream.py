@@ -23,7 +23,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
-from tisph.measures.fits import local_fits, periodic_tree, with_walls
+from tisph.measures.fits import interpolated, local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import LOADS, Cell
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -228,6 +228,8 @@ class Stream(Cell):
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
+        if not len(snapshot.pressure):
+            return np.full(len(points), np.nan)
         positions, pressure = np.stack([snapshot.x, snapshot.y], axis=1), snapshot.pressure[:, None]
         return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
 

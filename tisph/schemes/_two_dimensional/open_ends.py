@@ -12,10 +12,11 @@ there since with p - S_yy constant across the outlet a developed flow leaves it 
 The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
 step: at the outlet from the particles near it, at the inlet the given velocities, and v of the fluid in front of it.
 
-Within half a spacing of an end particles that flow out leave. As the fluid is incompressible and its region does not
-change, as much flows in, and each particle enters again: where the fluid flows in, in the middle of the largest void.
-It has the time levels there, a polynomial through those of the particles and points around it. So there are as many
-particles at all times, no step depends on the order in which they enter, and a void is filled as soon as it is there.
+Particles that flow out leave ``LEAST_DISTANCE`` in front of an end. As the fluid is incompressible and its region does
+not change, as much flows in, and each particle enters again: at the point of an end where the inflow since the last one
+has come nearest to the area of a particle, or exceeds it most, and there where most room is. It has the time levels of
+that place, a polynomial through those of the particles and points around it. So there are as many particles at all
+times. Where a particle is overdue by the whole of its area, one that is about to leave is taken.
 """
 
 from collections.abc import Mapping
@@ -48,7 +49,7 @@ UNJUDGED = 5.0
 KEPT = "outlet_velocity", "v_slope", "passages", "due"
 """Arrays that a checkpoint keeps."""
 
-DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30, 2: 20}
+DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30}
 """Degree of the polynomials from which particles that enter take their time levels, and the outlet its own, and numbers
 of points around them. With degree 4 the outlet, to which they extrapolate, would be unstable."""
 

@@ -107,8 +107,8 @@ The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6,
 """
 
 LARGEST_BACKFLOW = 0.01
-"""Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: what flows in there
-is unknown, and an outlet without stress may become unstable with it."""
+"""Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: that fluid has an
+unknown past, and an outlet without stress may become unstable with it."""
 
 LARGEST_ADDED_POWER = 0.01
 """Largest power that errors of the viscous operators add to a fluid of varying viscosity in a resolved sample, over the

@@ -1,7 +1,7 @@
 """A channel with open ends: fluid enters at one of them and leaves at the other, past bodies and steps of the walls.
 
-``Stream`` is the scene of a channel with ``ends``. It records forces on the bodies, what flows in and out, and the
-pressures of both ends.
+``Stream`` is the scene of a channel with ``ends``. It records forces on the bodies, inflow and outflow, and
+the pressures of both ends.
 """
 
 import math
@@ -24,7 +24,7 @@ from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import interpolated, local_fits, periodic_tree, with_walls
-from tisph.scenes._cell import LOADS, Cell
+from tisph.scenes._cell import LOADS, Cell, bodies_of, plane_walls, planes
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 
@@ -127,8 +127,6 @@ class Stream(Cell):
     @classmethod
     def from_config(cls, config: Any) -> "Cell":
         """Return the scene that a validated config describes."""
-        from tisph.scenes._cell import bodies_of, plane_walls, planes
-
         length, gap = config.geometry.length, config.geometry.gap
         walls = plane_walls(length, gap, config.walls)
         places = end_lines(config)
@@ -269,8 +267,10 @@ class Stream(Cell):
     def _turns(self, snapshot: Snapshot) -> dict[str, float | None]:
         """Return the places where the flow along stepped walls separates from them, and reattaches."""
         found: dict[str, float | None] = {}
+        if not self._stepped:
+            return found
         positions, velocity = with_walls(self, snapshot)
-        if not self._stepped or not (np.isfinite(positions).all() and np.isfinite(velocity).all()):
+        if not (np.isfinite(positions).all() and np.isfinite(velocity).all()):
             return found
         tree, _ = periodic_tree(self, positions)
         for name, body in self._walls:

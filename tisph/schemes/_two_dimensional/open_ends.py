@@ -26,7 +26,6 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
-from tisph.least_squares import SKIN
 from tisph.runtime import integer, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
@@ -122,15 +121,16 @@ class OpenWallBoundary(WallBoundary):
         self.grid_time = time
 
     def move(self, time: float) -> None:
-        """Set the points at ``time``; the outlet's have their newest velocities. Supports near ends are wider."""
+        """Set the points at ``time``; the outlet's have their newest velocities."""
         super().move(time)
-        spacing, factor = self.problem.spacing, view(self.operators.support_factor)[: self.problem.particles]
-        away = np.min([np.abs(self.positions[:, 0] - end) for end in self.problem.open_ends], axis=0) / spacing
+        self.velocity[self.of_outlet] = self.outlet_velocity
+
+    def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports, which are wider near ends."""
+        away = np.min([np.abs(positions[:, 0] - end) for end in self.problem.open_ends], axis=0) / self.problem.spacing
         near = np.clip(1.0 - away / UNJUDGED, 0.0, 1.0)
         widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.support
-        factor[...] = np.minimum(factor + END_SUPPORT / self.support * near, widest)
-        view(self.points.radius)[: self.problem.particles] = (self.support * factor + SKIN) * spacing
-        self.velocity[self.of_outlet] = self.outlet_velocity
+        return np.minimum(super().support_factors(positions, distances) + END_SUPPORT / self.support * near, widest)
 
     def jump(self, time: float) -> None:
         """Give the points on walls the velocities after a jump at ``time``."""

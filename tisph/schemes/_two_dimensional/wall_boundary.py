@@ -188,14 +188,19 @@ class WallBoundary(Boundary):
             polar = self.walls.polar_map(positions, planes, distances, curvatures)
             view(self.operators.polar_map)[: self.problem.particles] = polar
         view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
-        factor = self.walls.support_factor(distances, self.support)
-        factor[self.slots] += POINT_SUPPORT / self.support
+        factor = self.support_factors(positions, distances)
         view(self.operators.support_factor)[: self.problem.particles] = factor
         view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + SKIN * spacing
         self.close_gaps(distances)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)
+
+    def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports at ``positions`` with these ``distances`` from walls."""
+        factor = self.walls.support_factor(distances, self.support)
+        factor[self.slots] += POINT_SUPPORT / self.support
+        return factor
 
     def close_gaps(self, distances: np.ndarray) -> None:
         """Do nothing: walls of given motion keep gaps that hold particles."""

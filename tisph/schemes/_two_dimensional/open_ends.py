@@ -268,13 +268,14 @@ class OpenWallBoundary(WallBoundary):
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
         staying = np.ones(fluid, dtype=bool)
         staying[slots] = False
-        others, places = place[:fluid][staying], []
+        near = np.min([np.abs(place[:fluid, 0] - end) for end in self.problem.open_ends], axis=0) < UNJUDGED * spacing
+        others, places = place[:fluid][staying & near], []
         for _ in slots:
             best = int(np.argmax(due))
             due[best] -= 1.0
             offsets = AWAY[:, None] * normal[best] + ALONG[:, None] * [-normal[best, 1], normal[best, 0]]
             around = place[points[best]] + spacing * offsets
-            room = np.linalg.norm(around[:, None] - others, axis=2).min(axis=1)
+            room = np.linalg.norm(around[:, None] - others, axis=2).min(axis=1, initial=UNJUDGED * spacing)
             walls = [body.nearest(around + self.walls.origin).distance for body in self.solid]
             places.append(around[np.argmax(np.minimum(room, 2.0 * np.min(walls, axis=0)))])
             others = np.append(others, places[-1:], axis=0)

@@ -201,7 +201,7 @@ class OpenWallBoundary(WallBoundary):
         """Return the normal stress S_yy (points,) of a polymer at the points of the outlet."""
         if not self.problem.carries_stress:
             return np.zeros(len(self.of_outlet))
-        return self.extra_stress.wall_stress()[2, self.of_outlet]
+        return self.extra_stress.present_wall_stress()[2, self.of_outlet]
 
     def rows(self) -> WallRows:
         """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""

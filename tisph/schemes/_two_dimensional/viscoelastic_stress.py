@@ -158,6 +158,7 @@ class ViscoelasticStress(ExtraStress):
             positions = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
             modes = self.initial_conformation_excess(*positions.T)
             self.states[0] = self.logarithms(modes)
+        self.state = self.times_radius(self.states[0].astype(float), self.radius)
 
     def logarithms(self, modes: Sequence[Any]) -> np.ndarray:
         """Return the P that a start with these C of the modes has, as ``tensors`` have it."""
@@ -294,6 +295,10 @@ class ViscoelasticStress(ExtraStress):
         """Return the stress (numbers of tractions, count) at the points on walls."""
         state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.n_fluid :]
         return self.traction_rows(self.modes.stress(state, self.stress_numbers))
+
+    def present_wall_stress(self) -> np.ndarray:
+        """Return the same for the newest iterate of a step."""
+        return self.traction_rows(self.modes.stress(self.state[:, self.n_fluid :], self.stress_numbers))
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the same in a step in which 2 D is ``strain`` there.

@@ -284,6 +284,11 @@ class Config(Model):
         return any(body.motion == "free" for body in (bodies if isinstance(bodies, tuple) else (bodies,)))
 
     @property
+    def has_open_ends(self) -> bool:
+        """Whether fluid flows in and out."""
+        return getattr(self, "ends", None) is not None
+
+    @property
     def columns(self) -> int:
         """Particles along x."""
         return round(self.extent[0] / self.spacing)

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import OpenEnd
 from tisph.report import style
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
@@ -108,7 +107,7 @@ def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGH
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
-    longest = LONGEST_OPEN if any(isinstance(body, OpenEnd) for body in scene.bodies) else LONGEST_SHOWN
+    longest = LONGEST_OPEN if scene.has_open_ends else LONGEST_SHOWN
     shown = min(size_x, longest * size_y)
     wall = px(22) if scene.walls else 0
     left, top, bar, right = px(84), px(102) + wall, px(96), width - px(28)

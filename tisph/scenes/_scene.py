@@ -20,6 +20,7 @@ import numpy as np
 
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
+from tisph.geometry.ends import OpenEnd
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
@@ -210,6 +211,11 @@ class Scene(SceneDefaults):
     def has_free_bodies(self) -> bool:
         """Whether the flow carries any of the ``bodies``."""
         return any(body.free for body in self.bodies)
+
+    @property
+    def has_open_ends(self) -> bool:
+        """Whether fluid flows in and out."""
+        return any(isinstance(body, OpenEnd) for body in self.bodies)
 
     @property
     def walls(self) -> tuple[tuple[str, Any], ...]:

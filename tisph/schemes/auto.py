@@ -81,6 +81,8 @@ def resolve(config: Any) -> tuple[Any, str]:
             most = UNESTIMATED_COURANT[config.scheme.accuracy]
         else:
             tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
+        if config.has_open_ends:
+            most = min(most, implicit.OPEN_COURANT)
         if config.has_free_bodies:  # across which there are some ten particles, however many are across the gap
             tolerance = of_parallel_flow
     else:

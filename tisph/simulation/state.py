@@ -13,7 +13,6 @@ from typing import Any, cast
 import numpy as np
 
 from tisph import runtime
-from tisph.geometry.ends import OpenEnd
 from tisph.measures.metrics import relative_error, velocities, with_reference
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Schedule, StateObserver
@@ -77,7 +76,7 @@ def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarra
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:
         state["bodies"] = Bodies.at(scene.start_time, scene.in_flow_frame().bodies)
-    if any(isinstance(body, OpenEnd) for body in scene.bodies):
+    if scene.has_open_ends:
         state["passages"] = np.zeros(len(x), dtype=int)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 

@@ -83,8 +83,8 @@ def resolve(config: Any) -> tuple[Any, str]:
             tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
         if config.has_open_ends:
             most = min(most, implicit.OPEN_COURANT)
-        if config.has_free_bodies:  # across which there are some ten particles, however many are across the gap
-            tolerance = of_parallel_flow
+        if config.has_free_bodies or config.has_open_ends:
+            tolerance = of_parallel_flow  # across bodies and steps there are some ten particles, whatever the gap has
     else:
         tolerance, most = of_parallel_flow, strain
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})

@@ -69,6 +69,41 @@ def history_error(result: Result, *, number: str) -> float:
     return np.abs(found - exact).max() / exact.max()
 
 
+def mean_of_history(result: Result, *, number: str, since: float) -> float:
+    """Return the mean of a number of history.csv from the time ``since`` on."""
+    return float(_history(result, number, since)[1].mean())
+
+
+def mean_off(first: Result, second: Result, *, number: str, since: float) -> float:
+    """Return the relative difference of the means of a number of history.csv of two runs."""
+    means = [mean_of_history(run, number=number, since=since) for run in (first, second)]
+    return abs(means[0] / means[1] - 1)
+
+
+def frequency(result: Result, *, number: str, since: float) -> float:
+    """Return the frequency at which a number of history.csv rises through its mean, NaN where it does not twice."""
+    time, values = _history(result, number, since)
+    values = values - values.mean()
+    rises = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
+    at = time[rises] - values[rises] * np.diff(time)[rises] / np.diff(values)[rises]
+    return float((len(at) - 1) / (at[-1] - at[0])) if len(at) > 1 else math.nan
+
+
+def crest(result: Result, *, number: str, since: float, harmonics: int) -> float:
+    """Return the largest value of the periodic curve, with this many ``harmonics``, through a number of history.csv.
+
+    The scatter of single times would raise their largest value. The frequency is that of ``lift``.
+    """
+    time, values = _history(result, number, since)
+    turn = 2.0 * math.pi * frequency(result, number="lift", since=since)
+
+    def waves(t: np.ndarray) -> np.ndarray:
+        return np.stack([wave(k * turn * t) for k in range(harmonics + 1) for wave in (np.cos, np.sin)], axis=1)
+
+    factors = np.linalg.lstsq(waves(time), values, rcond=None)[0]
+    return float((waves(np.linspace(0.0, 2.0 * math.pi / turn, 400)) @ factors).max())
+
+
 def error_near_axis(result: Result, *, sample: int) -> float:
     """Return the largest error of u within three spacings of the axis over the largest one elsewhere.
 
@@ -194,6 +229,10 @@ MEASURES: dict[str, Callable[..., float]] = {
         pair_off,
         time_difference,
         history_error,
+        mean_of_history,
+        mean_off,
+        frequency,
+        crest,
         error_near_axis,
         momentum_off,
         momentum_of_all,
@@ -212,6 +251,13 @@ def _series(result: Result, number: str) -> np.ndarray:
     """Return the values of a number at all samples."""
     expression = Number(number, "with")
     return np.array([expression(result, sample) for sample in result.summary["samples"]], dtype=float)
+
+
+def _history(result: Result, number: str, since: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return times and values of a number of history.csv from the time ``since`` on."""
+    history = open_run(result.folder).history
+    chosen = (history["t"] >= since) & np.isfinite(history[number])
+    return history["t"][chosen], history[number][chosen]
 
 
 def _impulse(t: np.ndarray, torque: np.ndarray, ends: tuple[float, float]) -> float:

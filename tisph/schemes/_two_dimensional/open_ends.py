@@ -16,7 +16,8 @@ Particles that flow out leave ``LEAST_DISTANCE`` in front of an end. As the flui
 not change, as much flows in, and each particle enters again: at the point of an end where the inflow since the last one
 has come nearest to the area of a particle, or exceeds it most, and there where most room is. It has the time levels of
 that place, a polynomial through those of the particles and points around it. So there are as many particles at all
-times. Where a particle is overdue by the whole of its area, one that is about to leave is taken.
+times. Where a particle is overdue by the whole of its area, one that is about to leave is taken: a fast one, since a
+slow one near a wall leaves a void behind it for long.
 """
 
 from collections.abc import Mapping
@@ -255,16 +256,19 @@ class OpenWallBoundary(WallBoundary):
         spacing, fluid = self.problem.spacing, self.problem.n_fluid
         place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
         place[self.slots], normal, _ = self.walls.at(time)
-        left = np.full(fluid, np.inf)  # distance of the fluid that flows out of an end, in spacings
+        left, soon = np.full((2, fluid), np.inf)  # distance of fluid that flows out, in spacings, and the time that is left
         for body, _ in self.ends:
             distance = body.nearest(place[:fluid] + self.walls.origin).distance / spacing
-            left = np.where(velocity[:fluid] @ body.shape.normal < 0.0, np.minimum(left, distance), left)
+            speed = -velocity[:fluid] @ body.shape.normal
+            out = speed > 0.0
+            left[out] = np.minimum(left[out], distance[out])
+            soon[out] = np.minimum(soon[out], (distance[out] - LEAST_DISTANCE) / speed[out])
         points = fluid + np.concatenate([part for _, part in self.ends])
         normal = normal[points - fluid]
         inwards = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
         due = self.due + dt * inwards * self.walls.length[points - fluid] / spacing**2
         wanted = max(np.count_nonzero(left < LEAST_DISTANCE), np.count_nonzero(due >= 1.0))
-        slots = np.argsort(left)[:wanted]  # those that are about to leave go where others are overdue
+        slots = np.argsort(soon)[:wanted]  # those that are about to leave go where others are overdue
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
         staying = np.ones(fluid, dtype=bool)
         staying[slots] = False

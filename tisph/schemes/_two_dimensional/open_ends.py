@@ -256,7 +256,7 @@ class OpenWallBoundary(WallBoundary):
         spacing, fluid = self.problem.spacing, self.problem.n_fluid
         place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
         place[self.slots], normal, _ = self.walls.at(time)
-        left, soon = np.full((2, fluid), np.inf)  # distance of fluid that flows out, in spacings, and the time that is left
+        left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out
         for body, _ in self.ends:
             distance = body.nearest(place[:fluid] + self.walls.origin).distance / spacing
             speed = -velocity[:fluid] @ body.shape.normal

@@ -80,6 +80,11 @@ def mean_off(first: Result, second: Result, *, number: str, since: float) -> flo
     return abs(means[0] / means[1] - 1)
 
 
+def limit(first: Result, second: Result, *, number: str) -> float:
+    """Return a number of the last sample for a parameter of 0, linear in it, which the second run halves."""
+    return float(2.0 * _series(second, number)[-1] - _series(first, number)[-1])
+
+
 def frequency(result: Result, *, number: str, since: float) -> float:
     """Return the frequency at which a number of history.csv rises through its mean, NaN where it does not twice."""
     time, values = _history(result, number, since)
@@ -231,6 +236,7 @@ MEASURES: dict[str, Callable[..., float]] = {
         history_error,
         mean_of_history,
         mean_off,
+        limit,
         frequency,
         crest,
         error_near_axis,

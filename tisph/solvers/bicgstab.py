@@ -220,7 +220,20 @@ class BiCGStab:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.correction[i] = self.inverse[i] * self.input[i]
+        self.satisfy_outlet(particles)
         self.multiply(particles)
+
+    @ti.func
+    def satisfy_outlet(self, particles):
+        """Change the ``correction`` at the outlet, whose rows no diagonal dominates, by a sweep over them."""
+        if ti.static(self.has_outlet):
+            ti.loop_config(serialize=True)
+            for i in range(self.outlet[None], particles):
+                residual = self.input[i] - self.row(self.correction, i)
+                self.product[i] = self.correction[i] + self.inverse[i] * residual
+            ti.loop_config(serialize=True)
+            for i in range(self.outlet[None], particles):
+                self.correction[i] = self.product[i]
 
     @ti.func
     def multiply(self, particles):

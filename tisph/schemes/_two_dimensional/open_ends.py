@@ -265,31 +265,42 @@ class OpenWallBoundary(WallBoundary):
             soon[out] = np.minimum(soon[out], (distance[out] - LEAST_DISTANCE) / speed[out])
         points = fluid + np.concatenate([part for _, part in self.ends])
         normal = normal[points - fluid]
-        inwards = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
-        due = self.due + dt * inwards * self.walls.length[points - fluid] / spacing**2
+        inflow = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
+        due = self.due + dt * inflow * self.walls.length[points - fluid] / spacing**2
         wanted = max(np.count_nonzero(left < LEAST_DISTANCE), np.count_nonzero(due >= 1.0))
         slots = np.argsort(soon)[:wanted]  # those that are about to leave go where others are overdue
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
         staying = np.ones(fluid, dtype=bool)
         staying[slots] = False
         near = np.min([np.abs(place[:fluid, 0] - end) for end in self.problem.open_ends], axis=0) < UNJUDGED * spacing
-        others, places = place[:fluid][staying & near], []
-        for _ in slots:
-            best = int(np.argmax(due))
-            due[best] -= 1.0
-            offsets = AWAY[:, None] * normal[best] + ALONG[:, None] * [-normal[best, 1], normal[best, 0]]
-            around = place[points[best]] + spacing * offsets
-            room = np.linalg.norm(around[:, None] - others, axis=2).min(axis=1, initial=UNJUDGED * spacing)
-            walls = [body.nearest(around + self.walls.origin).distance for body in self.solid]
-            places.append(around[np.argmax(np.minimum(room, 2.0 * np.min(walls, axis=0)))])
-            others = np.append(others, places[-1:], axis=0)
+        chosen = np.zeros(len(slots), dtype=int)
+        for k in range(len(slots)):
+            chosen[k] = np.argmax(due)
+            due[chosen[k]] -= 1.0
+        places = self.roomiest(place[points[chosen]], normal[chosen], place[:fluid][staying & near], time)
         sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
         fields = *self.carried_fields, self.levels.divergence
         self.replaced = slots, [view(field)[slots] for field in fields], self.due
         self.due = due
         if len(slots):
-            self.take_levels(slots, np.array(places), sources, place[sources], DEGREE)
+            self.take_levels(slots, places, sources, place[sources], DEGREE)
             view(self.points.position)[slots] = places
+
+    def roomiest(self, ends: np.ndarray, normals: np.ndarray, others: np.ndarray, time: float) -> np.ndarray:
+        """Return places (n, 2) in front of points on ``ends`` (n, 2) that are farthest from walls and ``others``.
+
+        ``normals`` (n, 2): into the fluid.
+        """
+        spacing, across = self.problem.spacing, np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+        around = ends[:, None] + spacing * (AWAY[:, None] * normals[:, None] + ALONG[:, None] * across[:, None])
+        flat = around.reshape(-1, 2) + self.walls.origin
+        free = np.min([body.nearest(flat, time).distance for body in self.solid], axis=0).reshape(around.shape[:2])
+        for k, (candidates, from_walls) in enumerate(zip(around, free, strict=True)):
+            close = others[np.abs(others - ends[k]).max(axis=1) < UNJUDGED * spacing]
+            room = np.linalg.norm(candidates[:, None] - close, axis=2).min(axis=1, initial=UNJUDGED * spacing)
+            place = candidates[np.argmax(np.minimum(room, 2.0 * from_walls))]
+            others = np.append(others, [place], axis=0)
+        return others[len(others) - len(ends) :]
 
     def take_levels(
         self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray, degree: int

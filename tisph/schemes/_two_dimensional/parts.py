@@ -81,6 +81,10 @@ class ExtraStress:
         """Return the newest stress (xx, xy, yy, ...; count) at the points on walls."""
         return 0.0
 
+    def present_wall_stress(self) -> Any:
+        """Return the same for the newest iterate of a step."""
+        return 0.0
+
     def implicit_wall_stress(self, strain: np.ndarray) -> Any:
         """Return the stress (xx, xy, yy, ...; count) at the points on walls in a step with 2 D = ``strain``."""
         return 0.0

@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -359,3 +360,24 @@ def test_without_an_exact_solution_a_finer_run_gives_the_true_error(tmp_path):
     summary = {"samples": [{"t": 0.5}], "error_estimate": {"samples": [{"fields": {"velocity": {"error": 0.05}}}]}}
     found = measures.stated_error(Result(ours, summary), Result(finer, {}), field="velocity", t=0.5)
     assert found == pytest.approx(0.5, rel=1e-9)
+
+
+def test_measures_of_histories_are_those_of_a_wave(tmp_path, monkeypatch):
+    """Drag 3 + 0.1 cos(2 w t), lift 0.2 + sin(w t) at 400 times of ten periods, from t = 1 on."""
+    t = np.linspace(0.0, 11.0, 400)
+    history = {"t": t, "lift": 0.2 + np.sin(2 * np.pi * t), "drag": 3.0 + 0.1 * np.cos(4 * np.pi * t)}
+    history["drag"][0] = np.nan
+    monkeypatch.setattr(measures, "open_run", lambda folder: SimpleNamespace(history=history))
+    run = Result(tmp_path, {"status": "done", "samples": []})
+    assert measures.frequency(run, number="lift", since=1.0) == pytest.approx(1.0, rel=1e-4)  # chords between times
+    assert math.isnan(measures.frequency(run, number="t", since=1.0))
+    assert measures.crest(run, number="drag", since=1.0, harmonics=2) == pytest.approx(3.1, rel=1e-4)
+    assert measures.mean_of_history(run, number="drag", since=1.0) == pytest.approx(3.0, rel=1e-3)
+    assert measures.mean_off(run, run, number="drag", since=1.0) == 0.0
+    assert measures.peak(run, number="lift", between=[1.15, 1.35]) == pytest.approx(1.2, rel=1e-3)
+    assert measures.peak(run, number="lift", between=[1.15, 1.35], when=True) == pytest.approx(1.25, abs=1e-3)
+
+
+def test_the_limit_of_a_number_is_linear_in_its_parameter():
+    runs = [ended({"y": 3.0 + 0.4}), ended({"y": 3.0 + 0.2})]
+    assert measures.limit(*runs, number="y") == pytest.approx(3.0)

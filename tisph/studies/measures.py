@@ -109,6 +109,15 @@ def crest(result: Result, *, number: str, since: float, harmonics: int) -> float
     return float((waves(np.linspace(0.0, 2.0 * math.pi / turn, 400)) @ factors).max())
 
 
+def peak(result: Result, *, number: str, between: Sequence[float], when: bool = False) -> float:
+    """Return the largest value, or its time (``when``), of a quartic through a number of history.csv in an interval."""
+    time, values = _history(result, number, between[0])
+    chosen = time <= between[1]
+    curve = np.polynomial.Polynomial.fit(time[chosen], values[chosen], 4)
+    times = np.linspace(*between, 1000)
+    return float(times[np.argmax(curve(times))] if when else curve(times).max())
+
+
 def error_near_axis(result: Result, *, sample: int) -> float:
     """Return the largest error of u within three spacings of the axis over the largest one elsewhere.
 
@@ -239,6 +248,7 @@ MEASURES: dict[str, Callable[..., float]] = {
         limit,
         frequency,
         crest,
+        peak,
         error_near_axis,
         momentum_off,
         momentum_of_all,

@@ -44,7 +44,8 @@ END_SUPPORT = 1.0
 of particles has passed it, the next is up to 1.3 spacings away, and too few layers would be left for derivatives."""
 
 UNJUDGED = 5.0
-"""Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count."""
+"""Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count; and that
+of particles from one that enters, up to which they matter to it."""
 
 KEPT = "outlet_velocity", "v_slope", "passages", "due"
 """Arrays that a checkpoint keeps."""

@@ -114,7 +114,7 @@ def peak(result: Result, *, number: str, between: Sequence[float], when: bool = 
     time, values = _history(result, number, between[0])
     chosen = time <= between[1]
     curve = np.polynomial.Polynomial.fit(time[chosen], values[chosen], 4)
-    times = np.linspace(*between, 1000)
+    times = np.linspace(between[0], between[1], 1000)
     return float(times[np.argmax(curve(times))] if when else curve(times).max())
 
 

@@ -12,8 +12,8 @@ loop alone, ``particle_steps_per_s``, ``l2``, the relative error of the velocity
 (null with ``--steps``: after a few steps nothing but a layer at the wall has moved), and ``neighbours``, those of a
 particle of the lattice within the reach of the kernel. Cases other than Couette flow have one thread and no
 ``--steps``. In the cavity the error is that of the extremes on the centre lines, with cylinders that of their drag
-(``tisph/suites/frontier.yaml``); with cylinders the end is in radius^2/viscosity. With the cylinder in a stream it is
-that of the drag coefficient, against Schaefer and Turek.
+(``tisph/suites/frontier.yaml``); with cylinders the end is in radius^2/viscosity. With the cylinder in a stream
+the error is in the drag coefficient, against Schaefer and Turek.
 """
 
 import argparse

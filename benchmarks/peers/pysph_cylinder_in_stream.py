@@ -4,13 +4,14 @@ Run it with env-pysph's Python, or by ``measure.py --case cylinder_in_stream --c
 
     env-pysph/bin/python pysph_cylinder_in_stream.py --across 41 --end 4 --particles particles.txt
 
-PySPH's example of flow past a cylinder (EDAC) is taken as it is, but for what the benchmark asks for: walls without
-slip, a parabola at the inlet and at the start, and a cylinder off the centre line. Lengths are in metres. The unit of
+PySPH's example of flow past a cylinder (EDAC) is changed only where the benchmark asks for it: walls without slip,
+a parabola at the inlet and at the start, and a cylinder off the centre line. Lengths are in metres. The unit of
 velocity is the largest of the inflow, 0.3 m/s, and the density is 1000, as in the example; its Reynolds number is then
 30, and a second is 0.3 of its units of time. ``--end`` is in seconds. The outermost particles of the example's cylinder
-are on its circle, which makes it half a spacing too large: ``--inside 0`` has them there, the default is half a spacing
-further in. The drag is what the example's own function makes of the output, as a mean over t > 2.5 s; ``drag_range`` is
-its spread there. ``loop_seconds`` are seconds of the processor, as in ``pysph_taylor_green.py``, with the output.
+are on its circle, so the cylinder is half a spacing too large (``--inside 0``); by default these particles are half a
+spacing further in. The example's own function finds the drag from the output; the result is a mean over t > 2.5 s, and
+``drag_range`` is the spread. ``loop_seconds`` are seconds of the processor, as in ``pysph_taylor_green.py``, with the
+output.
 """
 
 import contextlib

@@ -366,7 +366,7 @@ def test_every_config_is_measured_and_implicit_ones_of_channels_have_an_error():
     Steps of the configs with open ends have not been measured by ``benchmarks/estimates.py`` yet.
     """
     configs = {f"configs-{path.stem}": load(path) for path in CONFIGS.glob("*.yaml")}
-    with_ends = {name for name, config in configs.items() if getattr(config, "ends", None)}
+    with_ends = {name for name, config in configs.items() if config.has_open_ends}
     assert configs.keys() - MEASURED.keys() == {"configs-vm_sph_001_as_printed", *with_ends}
     for name, config in configs.items():
         if not config.parallel or name in LONG or name not in MEASURED:

@@ -38,8 +38,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free: list[Any] = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
-    streams = getattr(config, "ends", None)
-    if not (moving or pulled or streams or config.drive.acceleration):
+    if not (moving or pulled or config.has_open_ends or config.drive.acceleration):
         remedy = "give an acceleration, or let a body or a wall move"
         yield from still_problem(config, "drive.acceleration", remedy)
     if config.drive.gravity and not free:

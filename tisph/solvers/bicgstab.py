@@ -220,20 +220,23 @@ class BiCGStab:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.correction[i] = self.inverse[i] * self.input[i]
-        self.satisfy_outlet(particles)
+        if ti.static(self.has_outlet):
+            self.sweep(self.outlet[None], particles)
         self.multiply(particles)
 
     @ti.func
-    def satisfy_outlet(self, particles):
-        """Change the ``correction`` at the outlet, whose rows no diagonal dominates, by a sweep over them."""
-        if ti.static(self.has_outlet):
-            ti.loop_config(serialize=True)
-            for i in range(self.outlet[None], particles):
-                residual = self.input[i] - self.row(self.correction, i)
-                self.product[i] = self.correction[i] + self.inverse[i] * residual
-            ti.loop_config(serialize=True)
-            for i in range(self.outlet[None], particles):
-                self.correction[i] = self.product[i]
+    def sweep(self, first, particles):
+        """Change the ``correction`` of the ``first`` to the last point by one Jacobi sweep over their rows.
+
+        Those of walls and of an outlet, one-sided derivatives, are not dominated by the diagonal.
+        """
+        ti.loop_config(serialize=self.serial)
+        for i in range(first, particles):
+            residual = self.input[i] - self.row(self.correction, i)
+            self.product[i] = self.correction[i] + self.inverse[i] * residual
+        ti.loop_config(serialize=self.serial)
+        for i in range(first, particles):
+            self.correction[i] = self.product[i]
 
     @ti.func
     def multiply(self, particles):
@@ -363,19 +366,6 @@ class TwoLevel:
         self.grid.invert(self.nodes, float(view(self.solver.sigma)), float(view(self.solver.coefficient)))
         self.prolong()
 
-    @ti.func
-    def satisfy_walls(self, values: ti.template(), particles):
-        """Change the ``values`` at points on walls by one Jacobi sweep over their rows."""
-        if ti.static(self.walls):
-            fluid = self.points.n_fluid[None]
-            ti.loop_config(serialize=self.solver.serial)
-            for i in range(fluid, particles):
-                residual = self.solver.input[i] - self.solver.row(values, i)
-                self.solver.product[i] = values[i] + self.solver.inverse[i] * residual
-            ti.loop_config(serialize=self.solver.serial)
-            for i in range(fluid, particles):
-                values[i] = self.solver.product[i]
-
     @ti.kernel
     def restrict(self):
         """Transfer the solver's ``input`` to the grid."""
@@ -398,5 +388,6 @@ class TwoLevel:
                 damping = ti.select(i < self.points.n_fluid[None], DAMPING, 0.0)
             residual = self.solver.input[i] - self.solver.row(self.smooth, i)
             self.solver.correction[i] = self.smooth[i] + damping * self.solver.inverse[i] * residual
-        self.satisfy_walls(self.solver.correction, particles)
+        if ti.static(self.walls):
+            self.solver.sweep(self.points.n_fluid[None], particles)
         self.solver.multiply(particles)

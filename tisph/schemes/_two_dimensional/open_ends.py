@@ -127,10 +127,14 @@ class OpenWallBoundary(WallBoundary):
         super().move(time)
         self.velocity[self.of_outlet] = self.outlet_velocity
 
+    def from_ends(self, positions: np.ndarray) -> np.ndarray:
+        """Return the distances (points,) along x from the nearest end, in particle spacings."""
+        away = np.min([np.abs(positions[:, 0] - end) for end in self.problem.open_ends], axis=0)
+        return away / self.problem.spacing
+
     def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
         """Return the factors (points,) of the supports, which are wider near ends."""
-        away = np.min([np.abs(positions[:, 0] - end) for end in self.problem.open_ends], axis=0) / self.problem.spacing
-        near = np.clip(1.0 - away / UNJUDGED, 0.0, 1.0)
+        near = np.clip(1.0 - self.from_ends(positions) / UNJUDGED, 0.0, 1.0)
         widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.support
         return np.minimum(super().support_factors(positions, distances) + END_SUPPORT / self.support * near, widest)
 
@@ -273,7 +277,7 @@ class OpenWallBoundary(WallBoundary):
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
         staying = np.ones(fluid, dtype=bool)
         staying[slots] = False
-        near = np.min([np.abs(place[:fluid, 0] - end) for end in self.problem.open_ends], axis=0) < UNJUDGED * spacing
+        near = self.from_ends(place[:fluid]) < UNJUDGED
         chosen = np.zeros(len(slots), dtype=int)
         for k in range(len(slots)):
             chosen[k] = np.argmax(due)

@@ -305,10 +305,9 @@ class ViscoelasticStress(ExtraStress):
 
         As the momentum equation has it: S, with the change of the strain since then times nu*.
         """
-        walls = slice(self.n_fluid, self.points.fluid)
         implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
-        stress = self.modes.stress(self.state[:, walls], self.stress_numbers) - implicit[:, walls]
-        return self.traction_rows(stress) + self.viscosity * strain
+        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.n_fluid :])
+        return stress + self.viscosity * strain
 
     def traction_rows(self, stress: np.ndarray) -> np.ndarray:
         """Return the components of a stress that tractions are made of: xx, xy, yy, in axisymmetric flow xt and yt."""

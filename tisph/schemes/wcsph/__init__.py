@@ -60,7 +60,7 @@ def problems(config: Any) -> Iterator[Problem]:
 
 
 def _problems_around_bodies(config: Any) -> Iterator[Problem]:
-    if getattr(config, "ends", None):
+    if config.has_open_ends:
         yield "scheme.type", "wcsph has no open ends; take auto or implicit"
     elif not hasattr(getattr(config, "walls", None), "treatment"):
         yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"

@@ -27,20 +27,19 @@ def assembled(shared):
 
 
 def rows_of(scheme):
-    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, capacity).
+    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, longest row).
 
     Both are 0 beyond the last neighbour.
     """
     points, spacing = scheme.points, scheme.channel.spacing
-    table, place = view(points.neighbours)[: points.fluid], view(points.position)
-    listed = np.arange(points.row_capacity) < view(points.count)[: points.fluid, None]
+    entries, listed = points.rows_of(slice(points.fluid))
+    table, place = view(points.neighbours)[entries], view(points.position)
     listed &= table != points.sentinel
     apart = place[np.where(listed, table, 0)] - place[: points.fluid, None]
     apart[..., 0] -= scheme.channel.length * np.round(apart[..., 0] / scheme.channel.length)
     scales = {"laplacian": spacing**2, "d_dx": spacing, "d_dy": spacing}
     rows = [
-        np.where(listed, view(getattr(scheme.operators, name))[: points.fluid], 0.0) * scale
-        for name, scale in scales.items()
+        np.where(listed, view(getattr(scheme.operators, name))[entries], 0.0) * scale for name, scale in scales.items()
     ]
     return rows, np.where(listed[..., None], apart, 0.0) / spacing
 
@@ -93,11 +92,11 @@ def test_what_lies_beyond_the_support_weighs_nothing(assembled, order):
 def give_neighbours(scheme, i, neighbours):
     """Let particle ``i`` have these neighbours alone, and compute all rows anew."""
     points = scheme.points
-    table, count = view(points.neighbours), view(points.count)
+    table, free = view(points.neighbours), int(view(points.end).max())  # behind all rows
     padded = -(-len(neighbours) // 4) * 4
-    table[i, :padded] = points.sentinel
-    table[i, : len(neighbours)] = neighbours
-    count[i] = padded
+    table[free : free + padded] = points.sentinel
+    table[free : free + len(neighbours)] = neighbours
+    view(points.begin)[i], view(points.end)[i] = free, free + padded
     scheme.operators.assemble()
 
 
@@ -177,11 +176,11 @@ def test_singular_neighbourhoods_are_counted_anew_each_time(assembled):
 def matrix_of(scheme, parity):
     """The rows of the Laplacian as a square matrix; ghosts have ``parity`` times what their source has."""
     points = scheme.points
-    table, count = view(points.neighbours), view(points.count)
+    table, begin, end = view(points.neighbours), view(points.begin), view(points.end)
     rows, source = view(scheme.operators.laplacian), view(scheme.ghosts.source)
     matrix = np.zeros((points.fluid, points.fluid))
     for i in range(points.fluid):
-        for j, value in zip(table[i, : count[i]], rows[i, : count[i]], strict=True):
+        for j, value in zip(table[begin[i] : end[i]], rows[begin[i] : end[i]], strict=True):
             matrix[i, i] -= value
             if j < points.fluid:
                 matrix[i, j] += value

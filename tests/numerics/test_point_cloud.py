@@ -54,11 +54,11 @@ def listed(scheme):
     Fails where a neighbour is listed twice, or is none of these.
     """
     points, ghosts = scheme.points, scheme.ghosts
-    table, count = view(points.neighbours), view(points.count)
+    table, begin, end = view(points.neighbours), view(points.begin), view(points.end)
     source, side = view(ghosts.source), ghosts.side
     result = np.zeros((points.fluid, 3, points.fluid), dtype=bool)
     for i in range(points.fluid):
-        row = table[i, : count[i]]
+        row = table[begin[i] : end[i]]
         row = row[row != points.sentinel]
         assert len(set(row)) == len(row)
         assert row.min() >= 0
@@ -126,13 +126,21 @@ def test_rows_are_padded_with_the_sentinel_at_their_ends(make):
     scheme = make()
     place(scheme, *scheme.channel.jittered(0, 0.3))
     points = scheme.points
-    table, count = view(points.neighbours), view(points.count)
+    table, begin, end = view(points.neighbours), view(points.begin), view(points.end)
     for i in range(points.fluid):
-        row = table[i, : count[i]]
+        row = table[begin[i] : end[i]]
         assert len(row) % LANES == 0
         padding = np.count_nonzero(row == points.sentinel)
         assert padding < LANES
         assert np.all(row[len(row) - padding :] == points.sentinel)
+
+
+def test_rows_follow_one_another_without_gaps(make):
+    scheme = make()
+    place(scheme, *scheme.channel.jittered(0, 0.3))
+    begin, end = (view(field)[: scheme.points.fluid] for field in (scheme.points.begin, scheme.points.end))
+    assert begin[0] == 0
+    assert np.array_equal(begin[1:], end[:-1])
 
 
 def test_the_sentinel_is_far_from_everything(make):
@@ -180,8 +188,8 @@ def test_a_row_that_may_not_fit_is_told(make, more):
     place(scheme, x, y)
     assert scheme.points.overflow() == size - 1
     # rows keep what they have room for, and nothing is written beyond them
-    table, count = view(scheme.points.neighbours), view(scheme.points.count)
-    assert count.max() == scheme.points.row_capacity
+    table = view(scheme.points.neighbours)
+    assert np.max(view(scheme.points.end) - view(scheme.points.begin)) == scheme.points.row_capacity
     assert table.min() >= 0
     assert table.max() <= scheme.points.sentinel
 
@@ -227,10 +235,9 @@ def test_neighbours_in_a_box_are_those_of_brute_force(columns, rows):
     apart = place - place[:, None]
     near = np.linalg.norm(apart - size * np.round(apart / size), axis=2)
     np.fill_diagonal(near, np.inf)
-    for i, (row, count) in enumerate(zip(view(points.neighbours), view(points.count), strict=False)):
-        if i == points.fluid:
-            break
-        listed = row[:count][row[:count] != points.sentinel]
+    table = view(points.neighbours)
+    for i, (begin, end) in enumerate(zip(view(points.begin)[: points.fluid], view(points.end), strict=False)):
+        listed = table[begin:end][table[begin:end] != points.sentinel]
         assert np.array_equal(np.sort(listed), np.flatnonzero(near[i] < REACH * flow.spacing))
 
 

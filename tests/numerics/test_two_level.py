@@ -13,10 +13,11 @@ pytestmark = pytest.mark.taichi
 def laplacian(scheme, values):
     """Rows of the Laplacian times ``values`` (fluid)."""
     points, fluid = scheme.points, scheme.points.fluid
-    table, count = view(points.neighbours)[:fluid], view(points.count)[:fluid]
-    near = (np.arange(points.row_capacity) < count[:, None]) & (table < fluid)
+    entries, listed = points.rows_of(slice(fluid))
+    table = view(points.neighbours)[entries]
+    near = listed & (table < fluid)
     difference = values[np.where(near, table, 0)] - values[:, None]
-    return np.where(near, view(scheme.operators.laplacian)[:fluid] * difference, 0.0).sum(1)
+    return np.where(near, view(scheme.operators.laplacian)[entries] * difference, 0.0).sum(1)
 
 
 def solve_pressure(scheme, source, tolerance):

@@ -128,13 +128,13 @@ def to_polar(vector, bend):
 
 @ti.data_oriented
 class LeastSquaresOperators:
-    """Weights ``laplacian[i, k]``, ``d_dx[i, k]`` and ``d_dy[i, k]`` of the neighbours that ``points`` lists.
+    """Weights ``laplacian[k]``, ``d_dx[k]`` and ``d_dy[k]`` of the neighbours that ``points`` lists.
 
     Neighbours beyond ``support`` [length] have the weight 0. ``varying``: the support of each particle is multiplied by
     the field ``support_factor``. ``curved``: vectors are mapped to polar coordinates by the field ``polar_map``, b of
     ``to_polar`` as a vector, 0 for no map. Where the system of order 4 is singular, by a pivot below
     ``smallest_pivot``, order 2 is used; where order 2 is singular too, the operators are zero. ``order_reduced`` and
-    ``singular`` count these particles. ``diagonal[i]``: minus the sum of ``laplacian[i, k]``, the weight of the
+    ``singular`` count these particles. ``diagonal[i]``: minus the sum of ``laplacian[k]``, the weight of the
     particle's own value.
 
     Loops compiled for one thread: with ``serial`` all, also in the assembly; with ``serial_light`` the loops over the
@@ -169,8 +169,7 @@ class LeastSquaresOperators:
         self.horner = _horner(order, basis)
         self.lanes = list(range(BLOCK))
         self.no_coefficients = [[0.0] * self.unknowns for _ in range(3)]
-        shape = (points.capacity, points.row_capacity)
-        self.laplacian, self.d_dx, self.d_dy = (ti.field(real(), shape) for _ in range(3))
+        self.laplacian, self.d_dx, self.d_dy = (ti.field(real(), points.entries) for _ in range(3))
         self.diagonal = ti.field(real(), points.capacity)
         self.lane = ti.types.vector(BLOCK, real())
         blocks, entries = -(-points.capacity // BLOCK), _moment_of_entries(order, basis)
@@ -216,23 +215,23 @@ class LeastSquaresOperators:
         scale = self.per_support[None]
         if ti.static(self.varying):
             scale /= self.support_factor[i]
-        for k in range(self.points.count[i]):
-            apart = self.points.separation(i, self.points.neighbours[i, k]) * scale
+        for k in range(self.points.begin[i], self.points.end[i]):
+            apart = self.points.separation(i, self.points.neighbours[k]) * scale
             nearness = ti.max(0.0, 1.0 - apart.dot(apart))
             inside = ti.cast(nearness > 0.0, self.laplacian.dtype)  # powers of a sentinel's vector would overflow
             squared = nearness * nearness
-            self.laplacian[i, k] = squared * squared
-            self.d_dx[i, k] = apart.x * inside
-            self.d_dy[i, k] = apart.y * inside
+            self.laplacian[k] = squared * squared
+            self.d_dx[k] = apart.x * inside
+            self.d_dy[k] = apart.y * inside
         straight = True
         if ti.static(self.curved):
             bend = self.polar_map[i] / scale
             straight = not bend.dot(bend) > 0.0
             if not straight:
-                for k in range(self.points.count[i]):
-                    apart = to_polar(ti.Vector([self.d_dx[i, k], self.d_dy[i, k]]), bend)
-                    self.d_dx[i, k] = apart.x
-                    self.d_dy[i, k] = apart.y
+                for k in range(self.points.begin[i], self.points.end[i]):
+                    apart = to_polar(ti.Vector([self.d_dx[k], self.d_dy[k]]), bend)
+                    self.d_dx[k] = apart.x
+                    self.d_dy[k] = apart.y
         if ti.static(self.axisymmetric):
             self.set_radial(i, 1.0 / scale, straight)
 
@@ -240,8 +239,8 @@ class LeastSquaresOperators:
     def sum_moments(self, i):
         """Sum the moments of particle ``i``."""
         total = ti.Vector(self.zeros)
-        for k in range(unrolled(self.points.count[i])):
-            x, y, weighted = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
+        for k in range(unrolled(self.points.begin[i]), self.points.end[i]):
+            x, y, weighted = self.d_dx[k], self.d_dy[k], self.laplacian[k]
             for chain in ti.static(self.chains):
                 product = weighted
                 for index in ti.static(chain):
@@ -341,14 +340,14 @@ class LeastSquaresOperators:
                 coefficients[LAPLACIAN, unknown] *= per_factor * per_factor
                 coefficients[D_DX, unknown] *= per_factor
                 coefficients[D_DY, unknown] *= per_factor
-        for k in range(unrolled(self.points.count[i])):
-            x, y, weight = self.d_dx[i, k], self.d_dy[i, k], self.laplacian[i, k]
-            self.laplacian[i, k] = weight * self.polynomial(coefficients, LAPLACIAN, x, y)
-            self.d_dx[i, k] = weight * self.polynomial(coefficients, D_DX, x, y)
-            self.d_dy[i, k] = weight * self.polynomial(coefficients, D_DY, x, y)
+        for k in range(unrolled(self.points.begin[i]), self.points.end[i]):
+            x, y, weight = self.d_dx[k], self.d_dy[k], self.laplacian[k]
+            self.laplacian[k] = weight * self.polynomial(coefficients, LAPLACIAN, x, y)
+            self.d_dx[k] = weight * self.polynomial(coefficients, D_DX, x, y)
+            self.d_dy[k] = weight * self.polynomial(coefficients, D_DY, x, y)
         total = 0.0
-        for k in range(self.points.count[i]):
-            total += self.laplacian[i, k]
+        for k in range(self.points.begin[i], self.points.end[i]):
+            total += self.laplacian[k]
         self.diagonal[i] = -total
 
     @ti.func
@@ -369,10 +368,10 @@ class LeastSquaresOperators:
         """Return sum_j operator[i, j] (values[j] - values[i]); the sentinel's value must be finite."""
         own = values[i]
         total = 0.0 * own
-        for group in range(unrolled(self.points.count[i] // LANES)):
+        for group in range(unrolled(self.points.begin[i] // LANES), self.points.end[i] // LANES):
             for lane in ti.static(range(LANES)):
                 k = group * LANES + lane
-                total += operator[i, k] * (values[self.points.neighbours[i, k]] - own)
+                total += operator[k] * (values[self.points.neighbours[k]] - own)
         return total
 
     def apply_to(self, chosen: np.ndarray, operator: Any, values: np.ndarray) -> np.ndarray:
@@ -381,9 +380,10 @@ class LeastSquaresOperators:
         ``values``: array over the slots. The result is bitwise the result of ``apply``, since the sum has the same
         order: terms that cancel there cancel here.
         """
-        table, listed = self.points.listed_neighbours(chosen)
-        entries = np.where(listed, view(operator)[chosen], 0.0)
-        return np.cumsum(entries * (values[table] - values[chosen, None]), axis=1)[:, -1]
+        entries, listed = self.points.rows_of(chosen)
+        weights = np.where(listed, view(operator)[entries], 0.0)
+        others = values[view(self.points.neighbours)[entries]]
+        return np.cumsum(weights * (others - values[chosen, None]), axis=1)[:, -1]
 
 
 @ti.data_oriented
@@ -441,12 +441,12 @@ class AxisymmetricOperators(LeastSquaresOperators):
             a, b, c = (radius / size) ** 2, 1.0 / size, 2.0 / size
             if ti.static(self.annular):
                 a, b, c = 1.0, 1.0 / radius, 0.0
-            for k in range(self.points.count[i]):
-                apart = self.d_dy[i, k]
+            for k in range(self.points.begin[i], self.points.end[i]):
+                apart = self.d_dy[k]
                 if ti.static(self.annular):
-                    self.d_dy[i, k] = radius / support * ti.log(1.0 + apart * support / radius)
+                    self.d_dy[k] = radius / support * ti.log(1.0 + apart * support / radius)
                 else:
-                    self.d_dy[i, k] = apart * (2.0 * radius + apart * support) * 0.5 / size
+                    self.d_dy[k] = apart * (2.0 * radius + apart * support) * 0.5 / size
         block, lane = i // BLOCK, i % BLOCK
         self.radial[block, 0][lane] = a
         self.radial[block, 1][lane] = b

@@ -12,14 +12,14 @@ import numpy as np
 
 from tisph.domain import ChannelDomain, PeriodicDomain
 from tisph.neighbours.counting_sort import counting_sort, slot_of
-from tisph.runtime import integer, real, scalar, ti, view
+from tisph.runtime import CHUNK, integer, real, scalar, threads, ti, view
 from tisph.size_class import size_class
 
 LANES = 4
 """Rows are padded to a multiple of this with the sentinel, so that loops over them can be unrolled."""
 
 CAPACITY_FACTOR = 1.6
-"""Capacity of a row over the mean number of neighbours within the cutoff."""
+"""Largest number of neighbours over the mean number within the cutoff."""
 
 CELLS_WITHIN = 3
 """Cells within the cutoff along an axis. With 1 the search took up to 1.5 times as long, since three of four candidates
@@ -41,11 +41,14 @@ class PointCloud:
     In a ``PeriodicDomain`` there are no ghosts, and positions must be inside the box. ``particles`` and ``ghosts`` are
     their present numbers; there is space for ``ghost_capacity``. ``capacity``, ``slots`` and the ``sentinel`` after
     them depend only on the size class and may be compiled in, ``fluid`` may not. ``fluid`` and ``particles`` also
-    count points on walls, ``n_fluid`` does not. Neighbours of particle i within the ``cutoff`` are
-    ``neighbours[i, k]``, k < ``count[i]``. With ``mirrors`` the table also has a row for each ghost, in its slot: the
-    fluid particles around its mirror point ``mirror[k]``. ``cutoff`` [length]: a number, or the usual and the largest
-    cutoff, less than twice the usual one; then each point has its own, ``radius``. ``flow``: has ``particles``,
-    ``columns``, ``rows``, ``spacing``, and where cutoffs vary ``crowding``, a factor of the capacity of rows.
+    count points on walls, ``n_fluid`` does not. ``cutoff`` [length]: a number, or the usual and the largest cutoff,
+    less than twice the usual one; then each point has its own, ``radius``. ``flow``: has ``particles``, ``columns``,
+    ``rows``, ``spacing``, and where cutoffs vary ``crowding``, a factor of the largest number of neighbours.
+
+    Neighbours of particle i within the cutoff are ``neighbours[k]``, ``begin[i]`` <= k < ``end[i]``, a row; fields
+    with a number for each of them have the size ``entries``. Rows follow one another without gaps, for each thread:
+    with room for the longest between them, steps take up to half as long again. A row has at most ``row_capacity``
+    entries. With ``mirrors`` each ghost has a row, too: the fluid particles around its mirror point ``mirror[k]``.
     """
 
     def __init__(
@@ -84,8 +87,10 @@ class PointCloud:
         self.position = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.mirrors = mirrors
         listed = self.slots if mirrors else self.capacity
-        self.neighbours = ti.field(ti.i32, shape=(listed, self.row_capacity))
-        self.count = ti.field(ti.i32, shape=listed)
+        self.entries = listed * self.row_capacity
+        self.neighbours = ti.field(ti.i32, shape=self.entries)
+        self.begin, self.end = ti.field(ti.i32, shape=listed), ti.field(ti.i32, shape=listed)
+        self.workers = 1 if serial else threads()
         if mirrors:
             self.mirror = ti.field(ti.types.vector(2, real()), shape=self.ghost_slots)
         self.longest = integer(0)
@@ -109,12 +114,28 @@ class PointCloud:
         for _ in range(1):
             self.sort(particles)
         ti.loop_config(serialize=self.serial)
-        for i in range(particles):
-            ti.atomic_max(self.longest[None], self.gather(i, self.position[i], self.slots))
+        for turn in range(self.workers * CHUNK):  # a chunk for each thread, which works in its first turn
+            if turn % CHUNK == 0:
+                self.fill(turn // CHUNK, particles)
+
+    @ti.func
+    def fill(self, worker, particles):
+        """Fill the rows of a thread one after another."""
+        rows = particles
         if ti.static(self.mirrors):
-            ti.loop_config(serialize=self.serial)
-            for k in range(self.ghosts[None]):
-                ti.atomic_max(self.longest[None], self.gather(self.capacity + k, self.mirror[k], self.capacity))
+            rows += self.ghosts[None]
+        first, last = worker * rows // self.workers, (worker + 1) * rows // self.workers
+        free, longest = first * self.row_capacity, 0
+        for number in range(first, last):
+            i = slot_of(number, particles, self.capacity)
+            centre, end = self.position[i], self.slots
+            if ti.static(self.mirrors):
+                of_ghost = number >= particles
+                centre = ti.select(of_ghost, self.mirror[ti.max(0, number - particles)], centre)
+                end = ti.select(of_ghost, self.capacity, end)
+            found = self.gather(i, free, centre, end)
+            longest, free = ti.max(longest, found), self.end[i]
+        ti.atomic_max(self.longest[None], longest)
 
     @ti.func
     def sort(self, particles):
@@ -145,16 +166,17 @@ class PointCloud:
         return row
 
     @ti.func
-    def gather(self, i, centre, end):
-        """Fill row ``i`` of the table with the points before ``end`` around ``centre``; return how many it needed.
+    def gather(self, i, free, centre, end):
+        """Fill row ``i``, from entry ``free`` on, with the points before ``end`` around ``centre``; return how many.
 
         They come from the cells around it, ``span`` on each side: in a row first the cells before the end of the
         period, then the cells beyond it. Ghosts beyond a wall are in one row of cells, however deep they lie.
         """
         columns, column, row = self.columns[None], self.column_of(centre.x), self.row_of(centre.y, 0)
-        found, span, rows = 0, CELLS_WITHIN, self.rows[None]
+        found, span, rows, limit = 0, CELLS_WITHIN, self.rows[None], self.cutoff_squared[None]
         if ti.static(self.varying):
             span = ti.max(span, ti.cast(ti.ceil(self.radius[i] / self.side[None]), ti.i32))
+            limit = self.radius[i] ** 2
         lowest, highest = row - span, row + span
         if ti.static(not self.domain.periodic_y):
             lowest, highest = ti.max(lowest, 0), ti.min(highest, rows + 1)
@@ -164,30 +186,20 @@ class PointCloud:
                 near = self.domain.wrap_row(level, rows)
             first, last = ti.max(column - span, 0), ti.min(column + span + 1, columns)
             for _ in range(ti.select(column < span or column >= columns - span, 2, 1)):
-                begin = self.start[near * columns + first + 1]
-                found = self.append(i, centre, end, begin, self.start[near * columns + last + 1], found)
+                for s in range(self.start[near * columns + first + 1], self.start[near * columns + last + 1]):
+                    j = self.order[s]  # without a branch: the next point overwrites one that is no neighbour
+                    apart = self.domain.minimum_image(self.position[j] - centre)
+                    self.neighbours[free + ti.min(found, self.row_capacity - 1)] = j
+                    is_near = ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
+                    found += is_near * ti.cast(j < end, ti.i32)
                 before = column < span
                 first = ti.select(before, columns + column - span, 0)
                 last = ti.select(before, columns, column + span + 1 - columns)
         filled = ti.min(found, self.row_capacity)
         padded = (filled + LANES - 1) // LANES * LANES
         for k in range(filled, padded):
-            self.neighbours[i, k] = self.sentinel
-        self.count[i] = padded
-        return found
-
-    @ti.func
-    def append(self, i, centre, end, first, last, found):
-        """Append the points of ``order[first .. last-1]`` within the cutoff, without a branch; return the new count."""
-        limit = self.cutoff_squared[None]
-        if ti.static(self.varying):
-            limit = self.radius[i] ** 2
-        for s in range(first, last):
-            j = self.order[s]
-            apart = self.domain.minimum_image(self.position[j] - centre)
-            self.neighbours[i, ti.min(found, self.row_capacity - 1)] = j
-            near = ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j != i, ti.i32)
-            found += near * ti.cast(j < end, ti.i32)
+            self.neighbours[free + k] = self.sentinel
+        self.begin[i], self.end[i] = free, free + padded
         return found
 
     @ti.func
@@ -195,15 +207,17 @@ class PointCloud:
         """Return the vector from point ``i`` to point ``j``, to its nearest periodic copy."""
         return self.domain.minimum_image(self.position[j] - self.position[i])
 
-    def listed_neighbours(self, rows: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return the table of ``rows`` (k,), and whether an entry is a neighbour, both of shape (k, row_capacity)."""
-        return view(self.neighbours)[rows], np.arange(self.row_capacity) < view(self.count)[rows, None]
+    def rows_of(self, chosen: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
+        """Return the entries of ``chosen`` rows, (rows, longest), and which of them each row has."""
+        begin, end = view(self.begin)[chosen, None], view(self.end)[chosen, None]
+        entries = begin + np.arange(np.max(end - begin, initial=0))
+        return np.minimum(entries, self.entries - 1), entries < end
 
     def mean_length(self) -> float:
         """Return the mean number of neighbours within the cutoff of a fluid particle, padding not counted."""
-        count, table = view(self.count)[: self.fluid], view(self.neighbours)[: self.fluid]
-        listed = sum(np.count_nonzero((table[:, k] != self.sentinel) & (count > k)) for k in range(self.row_capacity))
-        return listed / self.fluid
+        begin, end, table = (view(field) for field in (self.begin, self.end, self.neighbours))
+        fluid = zip(begin[: self.fluid], end[: self.fluid], strict=True)
+        return sum(np.count_nonzero(table[first:last] != self.sentinel) for first, last in fluid) / self.fluid
 
     def overflow(self) -> int:
         """Return the longest row if it may not have fitted into the table, else 0."""

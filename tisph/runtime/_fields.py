@@ -73,5 +73,5 @@ def address(field: ti.template()) -> ti.u64:
 
 @ti.func
 def unrolled(number):
-    """Return ``number``; of ``for k in range(unrolled(number))`` the compiler may make several iterations one."""
+    """Return ``number``, the first limit of a ``range`` of whose iterations the compiler may make several one."""
     return number

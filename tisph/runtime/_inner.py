@@ -28,7 +28,8 @@ remainder. That is half of the machine code of the kernels here (on AMD Zen), fo
 loops gain by it. Without this part free_cylinder.yaml compiles for 23 to 28 s instead of 16 with an empty cache, and a
 run of couette.yaml with a full one takes an eighth longer. So LLVM must not know the number: each loop of a kernel gets
 a ``break`` on a condition in memory that is never true (``_build_for_that_may_end``). Where unrolling is faster, by
-measurement, or keeps a local vector out of memory, the loop is written ``for k in range(unrolled(n))``.
+measurement, or keeps a local vector out of memory, the loop is written ``for k in range(unrolled(n))``, or
+``range(unrolled(first), end)``.
 """
 
 import ast
@@ -186,7 +187,7 @@ def _build_for_that_may_end(context: Any, node: Any) -> Any:
     try:
         if _is_call(node.iter, "range"):
             if _is_call(node.iter.args[0], "unrolled"):
-                node = _changed(node, node.iter.args[0].args, node.body)
+                node = _changed(node, [*node.iter.args[0].args, *node.iter.args[1:]], node.body)
             elif can_end:
                 node = _changed(node, node.iter.args, [*node.body, ast.copy_location(_Leave(), node.iter)])
         return _build_for(context, node)

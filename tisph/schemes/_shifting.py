@@ -123,8 +123,8 @@ class OverlapShifting(Shifting):
     def displacement(self, i):
         """Return the displacement of particle ``i`` by the overlaps with its neighbours."""
         reach, displacement = DIAMETER * self.unit[None], ti.Vector([0.0, 0.0])
-        for k in range(self.points.count[i]):
-            apart = self.points.separation(i, self.points.neighbours[i, k])
+        for k in range(self.points.begin[i], self.points.end[i]):
+            apart = self.points.separation(i, self.points.neighbours[k])
             distance = ti.sqrt(apart.dot(apart)) + 1e-30
             displacement -= SOFTNESS * ti.max(0.0, reach - distance) / distance * apart
         return displacement
@@ -160,9 +160,8 @@ class FickianShifting(Shifting):
         self.open, self.per_spacing = len(ends), scalar(1.0 / spacing)
         if ends:
             self.ends = holding(ti.field(real(), self.open), ends)
-        self.listed = ti.field(ti.i32, (points.capacity, points.row_capacity))
-        self.count = ti.field(ti.i32, points.capacity)
-        self.listed.used = self.count.used = None
+        self.listed, self.last = ti.field(ti.i32, points.entries), ti.field(ti.i32, points.capacity)
+        self.listed.used = self.last.used = None
         self.cutoff = scalar((SUPPORT + BEYOND) * spacing)
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
@@ -191,13 +190,13 @@ class FickianShifting(Shifting):
         particles, limit = self.points.n_fluid[None], self.cutoff[None] ** 2
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            found = 0
-            for k in range(self.points.count[i]):
-                j = self.points.neighbours[i, k]
+            last = self.points.begin[i]
+            for k in range(self.points.begin[i], self.points.end[i]):
+                j = self.points.neighbours[k]
                 apart = self.points.separation(i, j)
-                self.listed[i, found] = j
-                found += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j < particles, ti.i32)
-            self.count[i] = found
+                self.listed[last] = j
+                last += ti.cast(apart.dot(apart) < limit, ti.i32) * ti.cast(j < particles, ti.i32)
+            self.last[i] = last
 
     @ti.func
     def displacement(self, i):
@@ -206,8 +205,8 @@ class FickianShifting(Shifting):
         if ti.static(self.walls > 0):
             displacement = self.displacement_near_walls(i)
         else:
-            for k in range(self.count[i]):
-                displacement += self.displacement_by(self.points.separation(i, self.listed[i, k]))
+            for k in range(self.points.begin[i], self.last[i]):
+                displacement += self.displacement_by(self.points.separation(i, self.listed[k]))
         displacement *= self.strength[None]
         if ti.static(self.off_walls):
             displacement += self.displacement_off_walls(i)
@@ -232,8 +231,8 @@ class FickianShifting(Shifting):
         displacement = ti.Vector([0.0, 0.0])
         if near:
             displacement += self.displacement_by_images(i, i)
-        for k in range(self.count[i]):
-            j = self.listed[i, k]
+        for k in range(self.points.begin[i], self.last[i]):
+            j = self.listed[k]
             displacement += self.displacement_by(self.points.separation(i, j))
             if near:
                 displacement += self.displacement_by_images(i, j)

@@ -125,7 +125,8 @@ class StokesSolver:
 
         points, operators, self.rows = self.points, self.operators, rows
         n, fluid = self.n, self.fluid = int(view(points.particles)), int(view(points.n_fluid))
-        table, listed = points.listed_neighbours(slice(n))
+        row, listed = points.rows_of(slice(n))
+        table = view(points.neighbours)[row]
         listed &= table < n
         ends = np.cumsum(1 + listed.sum(axis=1))
         begins = np.concatenate([[0], ends])
@@ -138,7 +139,7 @@ class StokesSolver:
         def matrix(field: Any) -> tuple[Any, Any, Any]:
             """Return the matrices of all rows, of the rows of the fluid and of the rows of the walls."""
             entries = np.zeros(ends[-1])
-            entries[others] = view(field)[:n][listed]
+            entries[others] = view(field)[row[listed]]
             entries[first] = -np.add.reduceat(entries, first)
             parts = []
             for low, high in ((0, n), (0, fluid), (fluid, n)):

@@ -92,16 +92,18 @@ class Ghosts:
         self.near = np.flatnonzero((height < self.cutoff) | (self.gap - height < self.cutoff))
         below = height[self.near].astype(float)
         self.offset = np.stack([below, self.gap - below])
-        table, listed = self.points.listed_neighbours(self.near)
-        self.row, self.entry = np.nonzero(listed & (table >= self.points.capacity) & (table < self.points.slots))
-        self.listed = table[self.row, self.entry] - self.points.capacity
+        entries, listed = self.points.rows_of(self.near)
+        table = view(self.points.neighbours)[entries]
+        self.row, place = np.nonzero(listed & (table >= self.points.capacity) & (table < self.points.slots))
+        self.entry = entries[self.row, place]
+        self.listed = table[self.row, place] - self.points.capacity
 
     def sums(self, rows: Any, differences: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the sums of ``rows`` times ``differences`` by near particle (near,), and by wall (2,).
 
         ``differences`` (listed,): value of each listed ghost less the value of the particle that lists it.
         """
-        shares = view(rows)[self.near[self.row], self.entry] * differences
+        shares = view(rows)[self.entry] * differences
         return np.bincount(self.row, shares, self.near.size), np.bincount(self.side[self.listed], shares, 2)
 
     def heights(self) -> np.ndarray:
@@ -194,7 +196,7 @@ class MirrorGhosts(Ghosts):
 
 @ti.data_oriented
 class FixedGhosts(Ghosts):
-    """Fixed ghosts; ``share[k, n]`` is the weight of neighbour n of the mirror point of ghost k."""
+    """Fixed ghosts; ``share[n]`` is the weight of entry n, a neighbour of the mirror point of a ghost."""
 
     mirrors = True
 
@@ -202,7 +204,7 @@ class FixedGhosts(Ghosts):
         self, points: PointCloud, channel: "Channel", cutoff: float, even_reflection: tuple[bool, ...]
     ) -> None:
         super().__init__(points, channel, cutoff, even_reflection)
-        self.share = ti.field(real(), shape=(points.ghost_slots, points.row_capacity))
+        self.share = ti.field(real(), shape=points.entries)
         self.radius = scalar(cutoff)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
         self.place(channel)
@@ -236,13 +238,13 @@ class FixedGhosts(Ghosts):
         for k in range(self.count[None]):
             row = self.points.capacity + k
             moments = self.matrix(0.0)
-            for n in range(self.points.count[row]):
-                basis, weight = self.weighted_basis(k, self.points.neighbours[row, n])
+            for n in range(self.points.begin[row], self.points.end[row]):
+                basis, weight = self.weighted_basis(k, self.points.neighbours[n])
                 moments += weight * basis.outer_product(basis)
             coefficients = self.solved(moments)
-            for n in range(self.points.count[row]):
-                basis, weight = self.weighted_basis(k, self.points.neighbours[row, n])
-                self.share[k, n] = weight * coefficients.dot(basis)
+            for n in range(self.points.begin[row], self.points.end[row]):
+                basis, weight = self.weighted_basis(k, self.points.neighbours[n])
+                self.share[n] = weight * coefficients.dot(basis)
 
     @ti.func
     def weighted_basis(self, k, j):
@@ -278,16 +280,17 @@ class FixedGhosts(Ghosts):
     def source_values(self, values: np.ndarray) -> np.ndarray:
         """Return the values at the mirror points, of an array over the slots."""
         count = self.side.size
-        table, listed = self.points.listed_neighbours(slice(self.points.capacity, self.points.capacity + count))
-        return np.einsum("nk,nk...->n...", np.where(listed, view(self.share)[:count], 0.0), values[table])
+        entries, listed = self.points.rows_of(slice(self.points.capacity, self.points.capacity + count))
+        shares = np.where(listed, view(self.share)[entries], 0.0)
+        return np.einsum("nk,nk...->n...", shares, values[view(self.points.neighbours)[entries]])
 
     @ti.func
     def value(self, values: ti.template(), k):
         """Return the value at the mirror point of ghost ``k``."""
         row = self.points.capacity + k
         total = 0.0 * values[0]
-        for n in range(self.points.count[row]):
-            total += self.share[k, n] * values[self.points.neighbours[row, n]]
+        for n in range(self.points.begin[row], self.points.end[row]):
+            total += self.share[n] * values[self.points.neighbours[n]]
         return total
 
 
@@ -469,12 +472,12 @@ class CoupledSolver(BiCGStab):
     def row(self, values: ti.template(), i):
         """Return row ``i`` of the system times ``values``, whose ``tangent_stress`` is known."""
         centre, stress, total = values[i], self.tangent_stress[i], 0.0 * values[i]
-        for group in range(self.points.count[i] // LANES):
+        for group in range(self.points.begin[i] // LANES, self.points.end[i] // LANES):
             for lane in ti.static(range(LANES)):  # both sums at once: they read the same neighbours
                 k = group * LANES + lane
-                j = self.points.neighbours[i, k]
-                viscous = self.coefficient[None] * self.operators.laplacian[i, k] * (values[j] - centre)
-                total += viscous + self.operators.d_dy[i, k] * (self.tangent_stress[j] - stress)
+                j = self.points.neighbours[k]
+                viscous = self.coefficient[None] * self.operators.laplacian[k] * (values[j] - centre)
+                total += viscous + self.operators.d_dy[k] * (self.tangent_stress[j] - stress)
         return self.sigma[None] * centre - total
 
     def solve_coupled(self, coefficient: float, tangent: np.ndarray, tolerance: float) -> bool:
@@ -534,7 +537,8 @@ class LayerCoarseSpace:
         ghosts = self.ghosts.part(source)
         ghosts[...] = view(self.ghosts.source)[: ghosts.size]
         source[self.points.capacity + ghosts.size :] = source[self.points.fluid : self.points.capacity] = 0
-        table, self.listed = self.points.listed_neighbours(self.sampled)
+        self.entries, self.listed = self.points.rows_of(self.sampled)
+        table = view(self.points.neighbours)[self.entries]
         signs = np.ones(self.points.slots + 1)
         ghosts = self.ghosts.part(signs)
         ghosts[...] = self.ghosts.sign()
@@ -543,7 +547,7 @@ class LayerCoarseSpace:
 
     def matrix(self, rows: Any, sign: np.ndarray) -> np.ndarray:
         """Return the operator (layers, layers) of the least-squares ``rows``, with the ``sign`` of each neighbour."""
-        entries = np.where(self.listed, view(rows)[self.sampled], 0.0).astype(float)
+        entries = np.where(self.listed, view(rows)[self.entries], 0.0).astype(float)
         sampled, others = self.sampled, self.others
         first = self.layer[sampled] * self.number
         matrix = np.zeros(self.number**2)

@@ -368,8 +368,8 @@ class Particles:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(particles):
             total, number = 0.0, 0
-            for k in range(self.points.count[i]):
-                j = self.points.neighbours[i, k]
+            for k in range(self.points.begin[i], self.points.end[i]):
+                j = self.points.neighbours[k]
                 if j < self.points.capacity:
                     total += self.volumes[j]
                     number += 1

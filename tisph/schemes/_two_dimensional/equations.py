@@ -184,10 +184,10 @@ class Equations:
         """Return the divergence of the forcing at a particle."""
         own, metric = self.forcing[i], self.coordinates.radius(i) ** 2
         divergence = self.coordinates.hoop(own.y)
-        for k in range(self.points.count[i]):
-            difference = self.forcing[self.points.neighbours[i, k]] - own
-            d_dy = metric * self.operators.d_dy[i, k]
-            divergence += self.operators.d_dx[i, k] * difference.x + d_dy * difference.y
+        for k in range(self.points.begin[i], self.points.end[i]):
+            difference = self.forcing[self.points.neighbours[k]] - own
+            d_dy = metric * self.operators.d_dy[k]
+            divergence += self.operators.d_dx[k] * difference.x + d_dy * difference.y
         return divergence
 
     @ti.kernel

@@ -433,7 +433,7 @@ class FreeWallBoundary(WallBoundary):
     @ti.func
     def row_weight(self, i, k, slope):
         """Return the weight of neighbour ``k`` in the equation at a point; in a gap that closes it is a mean's."""
-        apart = self.points.separation(i, self.points.neighbours[i, k]) * self.per_spacing[None]
+        apart = self.points.separation(i, self.points.neighbours[k]) * self.per_spacing[None]
         nearness = self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
         return slope + self.continued[i] * (nearness - slope)
 

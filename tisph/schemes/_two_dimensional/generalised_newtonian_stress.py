@@ -215,7 +215,7 @@ class GeneralisedNewtonianStress(ExtraStress):
     def weigh(self, i, factor):
         """Let the operators of a particle be ``factor`` times those without a viscosity."""
         self.operators.diagonal[i] = factor * self.unweighted.diagonal[i]
-        for k in range(self.points.count[i]):
-            self.operators.laplacian[i, k] = factor * self.unweighted.laplacian[i, k]
+        for k in range(self.points.begin[i], self.points.end[i]):
+            self.operators.laplacian[k] = factor * self.unweighted.laplacian[k]
             if ti.static(self.levels.coordinates.axisymmetric):
-                self.operators.d_dy[i, k] = factor * self.unweighted.d_dy[i, k]
+                self.operators.d_dy[k] = factor * self.unweighted.d_dy[k]

@@ -151,7 +151,8 @@ class OpenWallBoundary(WallBoundary):
         """
         super().impose_neumann_rows()
         chosen = np.arange(self.first, self.problem.particles)
-        table, listed = self.points.listed_neighbours(chosen)
+        entries, listed = self.points.rows_of(chosen)
+        table = view(self.points.neighbours)[entries]
         place, spacing = view(self.points.position), self.problem.spacing
         support = self.support * spacing * view(self.operators.support_factor)[chosen]
         x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
@@ -159,14 +160,14 @@ class OpenWallBoundary(WallBoundary):
         powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
         rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
         self.outlet_slope = support * (rows * x).sum(axis=1) / spacing**2
-        view(self.operators.laplacian)[chosen] = rows / spacing**2
+        view(self.operators.laplacian)[entries[listed]] = rows[listed] / spacing**2
         view(self.operators.diagonal)[chosen] = -1.0 / spacing**2
 
     def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
-        table, listed = self.points.listed_neighbours(chosen)
-        apart = values[table] - values[chosen, None]
-        rows = [np.where(listed, view(part)[chosen], 0.0) for part in (self.operators.d_dx, self.operators.d_dy)]
+        entries, listed = self.points.rows_of(chosen)
+        apart = values[view(self.points.neighbours)[entries]] - values[chosen, None]
+        rows = [np.where(listed, view(part)[entries], 0.0) for part in (self.operators.d_dx, self.operators.d_dy)]
         return np.stack([np.einsum("ik,ikn->in", row, apart) for row in rows])
 
     def apply_impulse(self, equations: Equations, tolerance: float) -> bool:
@@ -262,12 +263,14 @@ class OpenWallBoundary(WallBoundary):
         place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
         place[self.slots], normal, _ = self.walls.at(time)
         left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out
+        near = np.flatnonzero(self.from_ends(place[:fluid]) < UNJUDGED)
         for body, _ in self.ends:
-            distance = body.nearest(place[:fluid] + self.walls.origin).distance / spacing
-            speed = -velocity[:fluid] @ body.shape.normal
+            distance = body.nearest(place[near] + self.walls.origin).distance / spacing
+            speed = -velocity[near] @ body.shape.normal
             out = speed > 0.0
-            left[out] = np.minimum(left[out], distance[out])
-            soon[out] = np.minimum(soon[out], (distance[out] - LEAST_DISTANCE) / speed[out])
+            leaving, distance = near[out], distance[out]
+            left[leaving] = np.minimum(left[leaving], distance)
+            soon[leaving] = np.minimum(soon[leaving], (distance - LEAST_DISTANCE) / speed[out])
         points = fluid + np.concatenate([part for _, part in self.ends])
         normal = normal[points - fluid]
         inflow = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
@@ -277,12 +280,11 @@ class OpenWallBoundary(WallBoundary):
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
         staying = np.ones(fluid, dtype=bool)
         staying[slots] = False
-        near = self.from_ends(place[:fluid]) < UNJUDGED
         chosen = np.zeros(len(slots), dtype=int)
         for k in range(len(slots)):
             chosen[k] = np.argmax(due)
             due[chosen[k]] -= 1.0
-        places = self.roomiest(place[points[chosen]], normal[chosen], place[:fluid][staying & near], time)
+        places = self.roomiest(place[points[chosen]], normal[chosen], place[near[staying[near]]], time)
         sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
         fields = *self.carried_fields, self.levels.divergence
         self.replaced = slots, [view(field)[slots] for field in fields], self.due
@@ -317,7 +319,8 @@ class OpenWallBoundary(WallBoundary):
         """
         from scipy.spatial import cKDTree
 
-        tree = cKDTree(of_sources)
+        near = self.from_ends(of_sources) < 2.0 * UNJUDGED
+        sources, tree = sources[near], cKDTree(of_sources[near])
         distance, nearest = tree.query(places, AROUND[degree])
         radius = distance[:, -1:]
         x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)

@@ -85,10 +85,10 @@ def gradients(operators: ti.template(), values: ti.template(), i):
     """Return d/dx and d/dy of the ``values`` at a particle, by least-squares ``operators``."""
     own = values[i]
     d_dx, d_dy = 0.0 * own, 0.0 * own
-    for k in range(operators.points.count[i]):
-        difference = values[operators.points.neighbours[i, k]] - own
-        d_dx += operators.d_dx[i, k] * difference
-        d_dy += operators.d_dy[i, k] * difference
+    for k in range(operators.points.begin[i], operators.points.end[i]):
+        difference = values[operators.points.neighbours[k]] - own
+        d_dx += operators.d_dx[k] * difference
+        d_dy += operators.d_dy[k] * difference
     return d_dx, d_dy
 
 
@@ -97,9 +97,9 @@ def transfer(operators: ti.template(), d_dx: ti.template(), d_dy: ti.template(),
     """Return the change of fields with these gradients over a shift of a particle, ``moved``, to second order."""
     own = moved.x * d_dx[i] + moved.y * d_dy[i]
     result = own
-    for k in range(operators.points.count[i]):
-        j = operators.points.neighbours[i, k]
-        weight = moved.x * operators.d_dx[i, k] + moved.y * operators.d_dy[i, k]
+    for k in range(operators.points.begin[i], operators.points.end[i]):
+        j = operators.points.neighbours[k]
+        weight = moved.x * operators.d_dx[k] + moved.y * operators.d_dy[k]
         result += 0.5 * weight * (moved.x * d_dx[j] + moved.y * d_dy[j] - own)
     return result
 

@@ -365,10 +365,10 @@ class WallBoundary(Boundary):
         for i in range(self.points.n_fluid[None], self.points.particles[None]):
             normal, total = self.weight[i] * self.normal[i], 0.0
             normal.y *= self.coordinates.radius(i)
-            for k in range(self.points.count[i]):
-                slope = normal.x * self.operators.d_dx[i, k] + normal.y * self.operators.d_dy[i, k]
+            for k in range(self.points.begin[i], self.points.end[i]):
+                slope = normal.x * self.operators.d_dx[k] + normal.y * self.operators.d_dy[k]
                 weight = self.row_weight(i, k, slope)
-                self.operators.laplacian[i, k] = weight
+                self.operators.laplacian[k] = weight
                 total += weight
             self.operators.diagonal[i] = -total
 
@@ -419,9 +419,9 @@ class WallBoundary(Boundary):
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             own, total = velocity[i], 0.0
-            for k in range(self.points.count[i]):
-                apart = velocity[self.points.neighbours[i, k]] - own
-                total += self.operators.d_dx[i, k] * apart.y - self.operators.d_dy[i, k] * apart.x
+            for k in range(self.points.begin[i], self.points.end[i]):
+                apart = velocity[self.points.neighbours[k]] - own
+                total += self.operators.d_dx[k] * apart.y - self.operators.d_dy[k] * apart.x
             self.vorticity[i] = total
         self.take_normal_curls()
 
@@ -441,7 +441,7 @@ class WallBoundary(Boundary):
             own, normal, radius = self.vorticity[i], self.normal[i], self.coordinates.radius(i)
             total = self.coordinates.hoop(normal.x * own)
             normal *= ti.Vector([radius * radius, radius])
-            for k in range(self.points.count[i]):
-                weight = normal.x * self.operators.d_dy[i, k] - normal.y * self.operators.d_dx[i, k]
-                total += weight * (self.vorticity[self.points.neighbours[i, k]] - own)
+            for k in range(self.points.begin[i], self.points.end[i]):
+                weight = normal.x * self.operators.d_dy[k] - normal.y * self.operators.d_dx[k]
+                total += weight * (self.vorticity[self.points.neighbours[k]] - own)
             self.normal_curl[i] = total

@@ -27,7 +27,7 @@ def assembled(shared):
 
 
 def rows_of(scheme):
-    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, longest row).
+    """Rows (laplacian, d_dx, d_dy) and the vectors (x, y) that they go with, in spacings: (particles, row_capacity).
 
     Both are 0 beyond the last neighbour.
     """

@@ -208,10 +208,9 @@ class PointCloud:
         return self.domain.minimum_image(self.position[j] - self.position[i])
 
     def rows_of(self, chosen: np.ndarray | slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return the entries of ``chosen`` rows, (rows, longest), and which of them each row has."""
-        begin, end = view(self.begin)[chosen, None], view(self.end)[chosen, None]
-        entries = begin + np.arange(np.max(end - begin, initial=0))
-        return np.minimum(entries, self.entries - 1), entries < end
+        """Return the entries of the rows ``chosen``, (rows, row_capacity), and which of them are a row's own."""
+        entries = view(self.begin)[chosen, None] + np.arange(self.row_capacity)
+        return np.minimum(entries, self.entries - 1), entries < view(self.end)[chosen, None]
 
     def mean_length(self) -> float:
         """Return the mean number of neighbours within the cutoff of a fluid particle, padding not counted."""

@@ -11,7 +11,6 @@ import numpy as np
 
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
-from tisph.geometry.shape import ClosestPoint
 
 LEAST_DISTANCE = 0.3
 """Distance from an end, in particle spacings, within which there are no particles: operators of particles nearer to a
@@ -31,10 +30,6 @@ class OpenEnd(Body):
     """A line along y that the fluid passes through."""
 
     shape: Line
-
-    def nearest(self, points: np.ndarray, time: float = 0.0) -> ClosestPoint:
-        """Return the closest points of the line to ``points``: it has no copies, and stays where it is."""
-        return self.shape.nearest(points)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -214,9 +214,10 @@ class PointCloud:
 
     def mean_length(self) -> float:
         """Return the mean number of neighbours within the cutoff of a fluid particle, padding not counted."""
-        begin, end, table = (view(field) for field in (self.begin, self.end, self.neighbours))
-        fluid = zip(begin[: self.fluid], end[: self.fluid], strict=True)
-        return sum(np.count_nonzero(table[first:last] != self.sentinel) for first, last in fluid) / self.fluid
+        begin, end = view(self.begin)[: self.fluid, None], view(self.end)[: self.fluid, None]
+        last = end - np.arange(1, LANES)  # a row ends with fewer sentinels than this
+        padding = np.count_nonzero((last >= begin) & (view(self.neighbours)[last] == self.sentinel))
+        return float((end - begin).sum() - padding) / self.fluid
 
     def overflow(self) -> int:
         """Return the longest row if it may not have fitted into the table, else 0."""

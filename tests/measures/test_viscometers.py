@@ -121,6 +121,7 @@ discretisation: {particles_across: 20}
 time: {end: 1.0, samples: [1.0]}
 """
 POWER_LAW = "fluid.rheology={type: power_law, index: 0.8, reference_rate: 1.0, least_rate: 0.01}"
+ROUND = "bodies=[{centre: [0.1, 0.3], radius: 0.15, motion: free}, {centre: [1.7, 0.45], radius: 0.15, motion: free}]"
 NEAR = 0.2
 """Distance of contact in which each of these bodies pushes both others."""
 
@@ -249,14 +250,14 @@ def noisy(viscosity):
 @pytest.mark.parametrize("turned", [False, True])
 def test_viscosity_is_read_with_its_error(make, turned):
     speeds = "walls={bottom: {velocity: 1.5}, top: {velocity: -0.5}}" if turned else "name=plain"
-    config, scene = make(speeds)
+    config, scene = make(speeds, ROUND)
     reading = read(config, scene, noisy(-0.4 if turned else 0.4), 7)
     numbers = reading.numbers
     for way, mean in (("walls", 1.3), ("bodies", 1.25)):
         error = numbers[f"relative_viscosity_{way}_error"]
         assert error == pytest.approx(0.05 / np.sqrt(200), rel=0.7)  # three times what ten batches tell it to, 24 %
         assert numbers[f"relative_viscosity_{way}"] == pytest.approx(mean, abs=4 * 0.05 / np.sqrt(200))
-    solid = np.pi * (2 * 0.15**2 + 0.2 * 0.15) / 2.0
+    solid = np.pi * (2 * 0.15**2) / 2.0
     assert numbers["area_fraction"] == pytest.approx(solid, rel=1e-9)
     assert (numbers["strain"], numbers["contacts"]) == (30.0, 7)
     assert numbers["relative_viscosity_contacts"] == pytest.approx(0.1, abs=4 * 0.05 / np.sqrt(200))
@@ -272,7 +273,15 @@ def test_short_runs_are_called_unsure_and_old_ones_have_no_contacts(make):
     reading = read(config, scene, {**table, "t": table["t"] / 2.0})
     assert "contacts" not in reading.numbers
     assert reading.lines[-1].startswith("uncertain: each of the 10 batches that give the error has a strain of 0.75")
-    assert [curve[1] for curve in reading.curves] == ["by the stress on the walls", "Einstein, 1 + 2φ"]
+    assert [curve[1] for curve in reading.curves] == ["by the stress on the walls"]
+    assert reading.lines[1].startswith("viscosity over that of the config, mean")
+
+
+@pytest.mark.parametrize(("change", "known"), [(ROUND, True), ("name=ellipse", False), (POWER_LAW, False)])
+def test_einstein_stands_beside_circles_in_a_newtonian_fluid_alone(make, change, known):
+    config, scene = make(change, "initial.state=rest")
+    names = [curve[1] for curve in read(config, scene, noisy(0.4)).curves]
+    assert ("Einstein, 1 + 2φ" in names) == known
 
 
 @pytest.mark.parametrize("change", [
@@ -298,7 +307,7 @@ def test_fixed_bodies_are_no_suspension(make, tmp_path):
 def test_the_picture_has_both_ways_over_the_strain(make, tmp_path, monkeypatch):
     figures = []
     monkeypatch.setattr(report.style.PlotFigure, "savefig", lambda self, *rest, **others: figures.append(self))
-    config, scene = make()
+    config, scene = make(ROUND)
     report.plot_reading(
         tmp_path / "a.png", "name", read(config, scene, noisy(0.4)), SimpleNamespace(**vars(scene.units))
     )

@@ -177,7 +177,8 @@ def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, 
         own = aligned.scene.time_series(**config.time_series)
         values = own.measure(aligned.snapshot)
         times = t * np.linspace(0.0, 1.0, STEADY_TIMES) if _steady(scene) else np.array([t])
-        series = own.places, values, (times, np.tile(values, (len(times), 1)))
+        constant = np.nan_to_num(values, nan=1.0)  # loads on bodies, of which the data say nothing, are constant, too
+        series = own.places, values, (times, np.tile(constant, (len(times), 1)))
     numbers = sample_metrics(aligned.scene, aligned.snapshot, series, errors_alone=series is None)
     if not _steady(scene):
         return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))

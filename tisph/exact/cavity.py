@@ -8,14 +8,14 @@ Tables, of the square cavity: C. H. Marchi, R. Suero and L. K. Araki, J. Braz. S
 extremes at Re = 400 by finite elements of our own. The tables of U. Ghia, K. N. Ghia and C. T. Shin (1982) are not
 used: their error is 3e-3 at Re = 100, and there is a misprint at 400.
 
-Accuracy of the regular lid at order 36, against order 48, in units of U: stream function 1e-9, velocity 1e-7 (2e-8 on
-the centre lines) at Re = 1 and 100; 5e-9 and 4e-7 at Re = 400, against order 40.
+Accuracy of the regular lid in a square at order 36, against order 48, in units of U: stream function 1e-9, velocity
+1e-7 (2e-8 on the centre lines) at Re = 1 and 100; 5e-9 and 4e-7 at Re = 400, against order 40.
 
 The stream function of the regular lid is a polynomial, computed by Galerkin's and Newton's methods. In the cell
 0 <= x <= 1, 0 <= y <= a with u = psi_y, v = -psi_x and the lid y = a moving as u = g(x), and for every
 function phi that is 0 at the walls with its normal derivative,
 
-    int lap psi lap phi/Re + lap psi (psi_y phi_x - psi_x phi_y) = 0
+    int lap psi lap phi + Re lap psi (psi_y phi_x - psi_x phi_y) = 0
     psi = g(x) a (Y^3 - Y^2) + sum c_kl f_k(X) f_l(Z)
 
 with Y = y/a, X and Z in [-1, 1] across the cell. The first part of psi has the velocities of the walls; the functions
@@ -89,10 +89,10 @@ class _Equations:
         """Return the Jacobian (n, n) of the equations at the coefficients ``c`` (n,), and their residuals (n,)."""
         x, y, lap = self.x @ c + self.lift_x, self.y @ c + self.lift_y, self.lap @ c + self.lift_lap
         x, y, weighted = self.weight * x, self.weight * y, self.weight * lap
-        equations = self.lap.T @ (weighted / reynolds) + self.x.T @ (lap * y) - self.y.T @ (lap * x)
+        equations = self.lap.T @ weighted + reynolds * (self.x.T @ (lap * y) - self.y.T @ (lap * x))
         slopes = self.x.T @ (y[:, None] * self.lap + weighted[:, None] * self.y)
         slopes -= self.y.T @ (x[:, None] * self.lap + weighted[:, None] * self.x)
-        return slopes + self.viscous / reynolds, equations
+        return self.viscous + reynolds * slopes, equations
 
     def coefficients(self, c: np.ndarray) -> np.ndarray:
         """Return the Legendre coefficients of psi."""
@@ -171,8 +171,8 @@ def _rows(reynolds: float) -> list[dict[str, str]]:
 class RegularCavity:
     """Flow in 0 <= x <= ``width``, 0 <= y <= ``height`` under the regular lid, whose middle has ``speed``.
 
-    ``order``: degree of the polynomials. The solution is computed at first use, in seconds. ValueError if Newton's
-    method does not converge.
+    An infinite ``kinematic_viscosity`` makes it Stokes flow. ``order``: degree of the polynomials. The solution is
+    computed at first use, in seconds. ValueError if Newton's method does not converge.
     """
 
     width: float

@@ -13,7 +13,7 @@
   consecutive batches, whose means are assumed to be independent. The error of the mean is their standard deviation over
   the square root of ten. Ten batches are enough (B. Schmeiser, Oper. Res. 30 (1982) 556-568), and long ones are less
   correlated. Where a batch is shorter than the time in which bodies pass each other, a strain of about one, the error
-  is too small.
+  is too small. Einstein's 1 + 2 phi is for circles in slow flow of a Newtonian fluid, and shown for these alone.
 
 All readings, in ``rheometry`` too, are a ``Reading``: title, lines of text, numbers, curves.
 """
@@ -252,7 +252,8 @@ def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> 
     found = {way: batch_means(values[late]) for way, values in relative.items()}
     solid = sum(body.shape.area for body in channel.bodies[: channel.count])
     fraction = solid / float(np.prod(channel.extent))
-    dilute = 1.0 + 2.0 * fraction
+    circles = all(isinstance(body.shape, Circle) for body in channel.bodies[: channel.count])
+    dilute = 1.0 + 2.0 * fraction if circles and channel.rheology is None else None
     numbers = {"area_fraction": fraction, "strain": float(strain[-1]), "shear_rate": rate}
     for way, (mean, error) in found.items():
         numbers |= {f"relative_viscosity_{way}": mean, f"relative_viscosity_{way}_error": error}
@@ -260,24 +261,32 @@ def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> 
         numbers["relative_viscosity_contacts"] = float(np.mean(table["shear_stress_contacts"][late])) / viscosity
     if contacts is not None:
         numbers["contacts"] = contacts
-    axis = Axes("strain", "viscosity over that of the fluid", ("number", "number"))
+    quantity = f"viscosity over that of the {'config' if channel.rheology else 'fluid'}"
+    axis = Axes("strain", quantity, ("number", "number"))
     styles = {"walls": ".", "bodies": "-"}
     curves = [(axis, WAYS[way], strain, values, styles[way]) for way, values in relative.items()]
-    curves.append((axis, "Einstein, 1 + 2\N{GREEK SMALL LETTER PHI}", strain[[0, -1]], [dilute, dilute], "--"))
-    return Reading("suspension in shear", _lines(numbers, found, dilute), numbers, curves)
+    if dilute:
+        curves.append((axis, "Einstein, 1 + 2\N{GREEK SMALL LETTER PHI}", strain[[0, -1]], [dilute, dilute], "--"))
+    return Reading("suspension in shear", _lines(quantity, numbers, found, dilute), numbers, curves)
 
 
-def _lines(numbers: dict[str, float], found: dict[str, tuple[float, float]], dilute: float) -> list[str]:
-    """Return the text. Viscosity of ``dilute`` suspensions: J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114."""
+def _lines(
+    quantity: str, numbers: dict[str, float], found: dict[str, tuple[float, float]], dilute: float | None
+) -> list[str]:
+    """Return the text; ``quantity`` names the ratio.
+
+    Viscosity of ``dilute`` suspensions: J. F. Brady, Int. J. Multiphase Flow 10 (1984) 113-114.
+    """
     strain = numbers["strain"]
     lines = [
         f"area fraction phi = {numbers['area_fraction']:.4g}, shear rate {numbers['shear_rate']:.6g}",
-        f"viscosity over that of the fluid, mean from strain {0.5 * strain:.4g} to {strain:.4g}:",
+        f"{quantity}, mean from strain {0.5 * strain:.4g} to {strain:.4g}:",
     ]
     lines += [f"  {WAYS[way]:32} {mean:.5g} +- {error:.2g}" for way, (mean, error) in found.items()]
     if "relative_viscosity_contacts" in numbers:
         lines.append(f"  {'of which contacts are':32} {numbers['relative_viscosity_contacts']:.3g}")
-    lines.append(f"  {'Einstein, dilute: 1 + 2 phi':32} {dilute:.5g}")
+    if dilute:
+        lines.append(f"  {'Einstein, dilute: 1 + 2 phi':32} {dilute:.5g}")
     if "contacts" in numbers:
         lines.append(f"contacts in the whole run: {numbers['contacts']}")
     batch = 0.5 * strain / BATCHES

@@ -11,7 +11,7 @@ against each other.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -56,6 +56,24 @@ class PolymerParameters:
         solvent alone spreads the front.
         """
         return self.solvent_fraction if math.exp(-0.5 * t / self.relaxation_time) >= FAINT else 1.0
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A reference by ``name``, and its ``assumptions``: words -> whether the config meets them."""
+
+    name: str
+    assumptions: Mapping[str, bool]
+
+    @property
+    def applies(self) -> bool:
+        """Whether the config meets all assumptions."""
+        return all(self.assumptions.values())
+
+    def __str__(self) -> str:
+        if self.applies:
+            return f"{self.name}, for {'; '.join(self.assumptions)}"
+        return f"none: {self.name} is for {'; '.join(words for words, met in self.assumptions.items() if not met)}"
 
 
 def age(wall: Any, t: float) -> float:
@@ -124,6 +142,9 @@ class SceneDefaults:
 
     fields: tuple[str, ...] = ()
     """Names of the snapshot's fields for which ``exact`` has a reference; empty without a reference solution."""
+
+    reference: Reference | None = None
+    """Reference whose assumptions some configs of the scene do not meet; None if there is none of this kind."""
 
     flow_quantities: tuple[str, ...] = ()
     """Names of the ``diagnostics`` that are quantities of the flow, not errors: extrapolated to spacing 0."""

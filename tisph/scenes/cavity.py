@@ -2,10 +2,11 @@
 
 Particles fill the box evenly, the first layer half a spacing from the walls. The lid starts at t = 0. A ``sharp`` lid
 has the same speed U everywhere: it slides past the corners, where the flow is singular. A ``regular`` lid has the speed
-16 X^2 (1 - X)^2 U, X = x/width. The references are of the steady state of a Newtonian fluid: see
-``tisph/exact/cavity.py``.
+16 X^2 (1 - X)^2 U, X = x/width. The references are of the steady state of a Newtonian fluid, without inertia of Stokes
+flow: see ``tisph/exact/cavity.py``.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +25,7 @@ from tisph.geometry.line import Line
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.resolution import steadiness
 from tisph.scenes._initial import RestInitial
-from tisph.scenes._scene import BodyScene
+from tisph.scenes._scene import BodyScene, Reference
 from tisph.scenes._views import (
     Profile,
     TimeSeries,
@@ -43,7 +44,10 @@ RESOLVED_CORNER = 10.0
 """Cell Reynolds number U spacing/nu above which the inertial part is reduced: its gradients are too steep."""
 
 LARGEST_REYNOLDS = 400.0
-"""Reynolds number of the regular lid up to which the error of the reference is below 4e-7."""
+"""Reynolds number of the regular lid up to which the error of the reference is below 4e-7 in a square."""
+
+LARGEST_ASPECT = 2.0
+"""Height over width up to which the error of the reference is below 2e-5."""
 
 POINTS = 401
 """Points on a centre line among which its extremes are found."""
@@ -137,11 +141,27 @@ class Cavity(BodyScene):
         return self.layer_depth(min(t, self.width / self.velocity_scale)), "the layer under the lid"
 
     @cached_property
+    def reference(self) -> Reference:
+        """See ``SceneDefaults.reference``: all are of the steady state."""
+        assumptions = {"a Newtonian fluid": self.rheology is None}
+        if not self.regular:
+            assumptions["a square cavity"] = self.width == self.height
+            assumptions["a tabulated Reynolds number"] = bool(self._tables)
+            sources = ", ".join(sorted({table.source for table in self._tables})) or "tables"
+            return Reference(sources, assumptions | {"the steady state": True})
+        assumptions[f"a height up to {LARGEST_ASPECT:g} widths"] = self.height <= LARGEST_ASPECT * self.width
+        if self.inertia:
+            largest = f"a Reynolds number of the lid up to {LARGEST_REYNOLDS:g}"
+            assumptions |= {largest: self._lid_reynolds <= LARGEST_REYNOLDS, "the steady state": True}
+        return Reference("spectral solution" if self.inertia else "Stokes flow (spectral solution)", assumptions)
+
+    @cached_property
     def _exact(self) -> RegularCavity | None:
         """The flow under the regular lid, None where there is no reference."""
-        if not self.regular or self.rheology or self._lid_reynolds > LARGEST_REYNOLDS:
+        if not (self.regular and self.reference.applies):
             return None
-        return RegularCavity(self.width, self.height, self.velocity, self.kinematic_viscosity)
+        viscosity = self.kinematic_viscosity if self.inertia else math.inf
+        return RegularCavity(self.width, self.height, self.velocity, viscosity)
 
     @cached_property
     def _tables(self) -> list[CentreLine]:
@@ -165,10 +185,11 @@ class Cavity(BodyScene):
         return found[: len(upright), 0], found[len(upright) :, 1]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
-        """Return extremes of the velocities and other numbers of a snapshot, and their errors if the flow is steady.
+        """Return extremes of the velocities and other numbers of a snapshot, and their errors.
 
-        ``u_extreme``: extreme of u on the vertical centre line, opposite to the lid's direction; ``v_min``, ``v_max``:
-        extremes of v on the horizontal one; each also ``_exact``. All are over the speed of the lid.
+        Errors and exact values are None until the flow is steady; Stokes flow always is. ``u_extreme``: extreme of u on
+        the vertical centre line, opposite to the lid's direction; ``v_min``, ``v_max``: extremes of v on the horizontal
+        one; each also ``_exact``. All are over the speed of the lid.
         ``centre_line_error``: largest difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and
         ``linf`` of the velocities. ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``,
         see ``measures/resolution.py``.
@@ -177,8 +198,9 @@ class Cavity(BodyScene):
         exact = self.extremes()
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
         state = steadiness(self, snapshot.t, series)
-        references = {f"{name}_exact": exact.get(name) if state["steady"] else None for name in numbers}
-        errors = self._errors(snapshot) if state["steady"] else {}
+        known = state["steady"] or not self.inertia
+        references = {f"{name}_exact": exact.get(name) if known else None for name in numbers}
+        errors = self._errors(snapshot) if known else {}
         others = planar_diagnostics(self, snapshot)[1]
         if self.corners:
             del others["divergence_over_gradient"]  # divergence and gradient are infinite in the corners
@@ -229,14 +251,13 @@ class Cavity(BodyScene):
         length, time = self.units.length, self.units.time
         kind = "regular: 16 X^2 (1 - X)^2 of it" if self.regular else "sharp"
         given = [("reference velocity U", f"{self.given_velocity:.6g} {length}/{time}")] if self.given_velocity else []
-        references = ["spectral solution"] if self._exact else sorted({table.source for table in self._tables})
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu, W the width)"),
             *given,
             ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),
-            ("reference", f"{', '.join(references) or 'none'}{', of the steady state' if references else ''}"),
+            ("reference", str(self.reference)),
         ]
 
     def profiles(self) -> list[Profile]:
@@ -253,7 +274,8 @@ class Cavity(BodyScene):
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
             exact = lambda x, y, t: flow.velocity(x, y)["uv".index(field)]  # noqa: E731
-            reference = {"exact": exact, "scale": scale, "reference": "steady", "steady": True}
+            name = "steady" if self.inertia else "Stokes flow"
+            reference = {"exact": exact, "scale": scale, "reference": name, "steady": True}
         elif tables:
             name = tables[0].source if len(tables) == 1 else "published tables"  # frames have no room for two
             reference = {"exact": self._curve(field, tables), "reference": f"{name}, steady", "steady": True}

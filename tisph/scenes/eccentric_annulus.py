@@ -19,7 +19,7 @@ from tisph.measures import resolution
 from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
 from tisph.scenes import annulus
-from tisph.scenes._scene import bodies_in
+from tisph.scenes._scene import Reference, bodies_in
 from tisph.scenes._views import (
     Profile,
     TimeSeries,
@@ -86,10 +86,16 @@ class Scene(BetweenCylinders):
     flow_quantities = ("torque_inner", "torque_outer", "force_y")
 
     @property
-    def _creeps(self) -> bool:
-        """Whether Stokes flow is the reference."""
-        reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
-        return self.rheology is None and (not self.inertia or reynolds <= CREEPING)
+    def reference(self) -> Reference:
+        """See ``SceneDefaults.reference``: with inertia Stokes flow is known to be the steady state alone."""
+        assumptions = {"a Newtonian fluid": self.rheology is None}
+        if self.inertia:
+            reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
+            assumptions[f"a Reynolds number up to {CREEPING:g}, or no inertia"] = reynolds <= CREEPING
+            steady = not (self.inner.oscillates or self.outer.oscillates)
+            assumptions["cylinders that do not oscillate, or no inertia"] = steady
+            assumptions["the steady state"] = True
+        return Reference("Stokes flow", assumptions)
 
     def stokes(self, inner: Any, outer: Any) -> EccentricCylinders:
         """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
@@ -118,7 +124,7 @@ class Scene(BetweenCylinders):
         # the torque decides: a mean over the particles scatters as they move on
         state = steadiness(self, snapshot.t, series, 1, "inner torque")
         errors: dict[str, Any] = dict.fromkeys(("l2_pressure", *EXACT_LOADS))
-        if self._creeps and (state["steady"] or not self.inertia):
+        if self.reference.applies and (state["steady"] or not self.inertia):
             flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
             pressure = flow.pressure(snapshot.x, snapshot.y, dynamic_viscosity=self.dynamic_viscosity)
             shifted = snapshot.pressure - np.mean(snapshot.pressure - pressure)
@@ -144,18 +150,17 @@ class Scene(BetweenCylinders):
         """Return pairs (label, text) that describe the flow, independent of particles."""
         gap = self.reference_length - self.offset
         least = f"at least {_clearance.LEAST_GAP:g}; resolved from {resolution.LEAST_GAP:g} on"
-        other = f"none but of Newtonian fluids up to a Reynolds number of {CREEPING:g}"
         return [
             *super().parameters(),
             ("narrowest gap", f"{gap:.4g} {self.units.length}, {gap / self.spacing:.3g} spacings ({least})"),
-            ("reference", "Stokes flow, of the steady state" if self._creeps else other),
+            ("reference", str(self.reference)),
         ]
 
     def profiles(self) -> list[Profile]:
         """Return the velocity across the line of centres."""
         scale = self.reference_velocity, self.velocity_name("speed of the fastest wall")
-        stokes = {"exact": self._across, "scale": scale, "reference": "Stokes flow"} if self._creeps else {}
-        return [velocity_profile(self, "v", "x", **stokes)]
+        stokes = {"exact": self._across, "scale": scale, "reference": "Stokes flow", "steady": self.inertia}
+        return [velocity_profile(self, "v", "x", **(stokes if self.reference.applies else {}))]
 
     def _across(self, x: Any, y: Any, t: Any) -> np.ndarray:
         """Return the velocity along y of Stokes flow, and of the inner cylinder inside it."""
@@ -187,7 +192,7 @@ class Scene(BetweenCylinders):
     @property
     def _stokes_levels(self) -> tuple[float, ...]:
         """Steady values of the ``time_series``; empty where the flow does not end as a Stokes flow."""
-        if not self._creeps or self.jump_times or self.inner.oscillates or self.outer.oscillates:
+        if not self.reference.applies or self.jump_times or self.inner.oscillates or self.outer.oscillates:
             return ()
         return np.nan, *self._exact_loads(self.stokes(self.inner.velocity(0.0), self.outer.velocity(0.0)))
 

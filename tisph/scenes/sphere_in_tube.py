@@ -26,7 +26,7 @@ from tisph.measures.viscometers import LARGEST_RATIO, wall_factor
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
-from tisph.scenes._scene import bodies_in
+from tisph.scenes._scene import Reference, bodies_in
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.pipe import Cylinder
 from tisph.snapshot import Snapshot
@@ -88,6 +88,10 @@ class Drive(Model):
 
 SLOW = 0.1
 """Reynolds number U a/nu below which the drag of a sphere has no inertia to 2 %."""
+
+APART = 1.0
+"""Least distance of neighbouring spheres in the periodic tube, over its radius: the slowest mode of Stokes flow in a
+closed tube decays as exp(-4.47 x/radius), so that neighbours change the drag by about a hundredth."""
 
 FRONT = 1.95
 """Depth of the layer in front of the body, in sqrt(nu/a), where the velocity is 99 % of the outer one; a = (3/2) U/R is
@@ -244,7 +248,8 @@ class Scene(AxisymmetricScene):
         ratio = self.reference_length / self.outer_radius
         kept = self.reference_velocity == abs(self.kept_mean_velocity or 0.0)
         lines = super().parameters("the radius of the sphere, across the axis", "the mean velocity" if kept else None)
-        return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii")]
+        known = [("reference", str(self.reference))] if self.sphere.free else []
+        return [*lines, ("sphere over tube", f"{ratio:.6g}, the ratio of the radii"), *known]
 
     def profiles(self) -> list[Profile]:
         """Return the velocities over the radius at the initial place of the sphere."""
@@ -252,17 +257,36 @@ class Scene(AxisymmetricScene):
         return [self.radial_profile(name, line) for name in ("u", "v")]
 
     @property
-    def terminal_velocity(self) -> float:
-        """Velocity in Stokes flow of a free sphere in a closed tube (Bohlin); NaN of other flow."""
+    def reference(self) -> Reference:
+        """See ``SceneDefaults.reference``: the terminal velocity of a free sphere."""
         sphere, tube = self.bodies
-        radius, closed = self.reference_length, self.kept_mean_velocity == 0.0 and not tube.motion.x.largest_speed
-        round_one = isinstance(sphere.shape, Circle) and radius <= LARGEST_RATIO * self.outer_radius
-        if not (sphere.free and closed and round_one) or self.rheology:
-            return math.nan
+        radius, tube_radius = self.reference_length, self.outer_radius
+        slow = abs(self._stokes_velocity) * radius < SLOW * self.kinematic_viscosity
+        spins = sphere.spin.largest_speed * radius**2, tube.spin.largest_speed * tube_radius**2
+        assumptions = {
+            "a free sphere": sphere.free and isinstance(sphere.shape, Circle),
+            "a Newtonian fluid": self.rheology is None,
+            "a closed tube at rest": self.kept_mean_velocity == 0.0 and not tube.motion.x.largest_speed,
+            f"a radius up to {LARGEST_RATIO:g} of the tube's": radius <= LARGEST_RATIO * tube_radius,
+            f"spheres {APART:g} radius of the tube apart": self.length - 2.0 * radius >= APART * tube_radius,
+        }
+        if self.inertia:
+            assumptions[f"a Reynolds number U a/nu below {SLOW:g}, or no inertia"] = slow
+            still = max(spins) < SLOW * self.kinematic_viscosity
+            assumptions["slow rotation, or no inertia"] = still
+        return Reference("Stokes flow in this tube (Bohlin)", assumptions)
+
+    @property
+    def _stokes_velocity(self) -> float:
+        """Velocity under the external force in Stokes flow in a closed tube (Bohlin); NaN if it is not free."""
+        radius, motion = self.reference_length, self.sphere.motion
         drag = 6.0 * math.pi * self.dynamic_viscosity * radius * wall_factor(radius / self.outer_radius)
-        motion: Any = sphere.motion
-        velocity = float(motion.inertia.load[0]) / drag
-        return velocity if abs(velocity) * radius < SLOW * self.kinematic_viscosity else math.nan
+        return float(motion.inertia.load[0]) / drag if isinstance(motion, FreeMotion) else math.nan
+
+    @property
+    def terminal_velocity(self) -> float:
+        """Velocity of a free sphere at the end of a run; NaN where no ``reference`` applies."""
+        return self._stokes_velocity if self.reference.applies else math.nan
 
     def time_series(self) -> TimeSeries:
         """Return the force on the sphere along the axis, the torque around it, its place and its velocity."""

@@ -21,6 +21,7 @@ from tisph.geometry.motion import STILL
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._initial import RestInitial, still_problem
+from tisph.scenes._scene import Reference
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import turning_of
 from tisph.snapshot import Snapshot
@@ -134,6 +135,15 @@ class Scene(AxisymmetricScene):
         )
 
     @property
+    def reference(self) -> Reference:
+        """See ``SceneDefaults.reference``: the torque of laminar flow."""
+        spins = [body.spin for body in self.bodies[:2]]
+        constant = not any(spin.oscillates or spin.jump_times for spin in spins)
+        assumptions = {"a Newtonian fluid": self.rheology is None, "flow without end plates": self.periodic[0]}
+        assumptions["constant angular velocities"] = constant
+        return Reference("torque of steady laminar flow", assumptions)
+
+    @property
     def laminar(self) -> tuple[float, float]:
         """A and B of the steady laminar flow A r + B/r with the angular velocities at the start."""
         inner, outer = (float(body.spin.velocity(self.start_time)) for body in self.bodies[:2])
@@ -164,15 +174,15 @@ class Scene(AxisymmetricScene):
         """Return torques and forces on the cylinders, kinetic energies, and the growth rate of vortices.
 
         ``torque_inner``, ``torque_outer``: torque of the fluid on one period of a cylinder. ``torque_ratio``: torque on
-        the inner cylinder over the torque of steady laminar flow; None with end plates or a non-Newtonian fluid.
+        the inner cylinder over the torque of steady laminar flow; None where that is no ``reference``.
         ``radial_velocity``: the largest one, over the speed of the fastest wall. ``growth_rate`` [1/time]: of the
         radial velocity, from its mean square over the last tenth of the elapsed time; None where that is 0.
         """
         loads = self.loads(snapshot)
-        newtonian = self.rheology is None and self.periodic[0] and self.laminar_torque
+        known = self.reference.applies and self.laminar_torque
         return {
             **loads,
-            "torque_ratio": -loads["torque_inner"] / self.laminar_torque if newtonian else None,
+            "torque_ratio": -loads["torque_inner"] / self.laminar_torque if known else None,
             "radial_velocity": np.max(np.abs(snapshot.v)) / self.reference_velocity,
             "growth_rate": self._growth_rate(snapshot.t, series),
             **dict(zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True)),
@@ -193,7 +203,7 @@ class Scene(AxisymmetricScene):
         """Return pairs (label, text) that describe the flow, independent of particles."""
         ratio, wave = self.inner_radius / self.outer_radius, 2.0 * np.pi * self.reference_length / self.length
         more = (("radius ratio", f"{ratio:.6g}"), ("axial wavenumber", f"{wave:.6g}  (2 pi H / length)"))
-        return [*super().parameters(), *more]
+        return [*super().parameters(), *more, ("reference", str(self.reference))]
 
     def profiles(self) -> list[Profile]:
         """Return velocities around the axis and along radii where the disturbance's radial velocity is largest."""
@@ -203,7 +213,7 @@ class Scene(AxisymmetricScene):
     def time_series(self) -> TimeSeries:
         """Return torques on the cylinders, and kinetic energies."""
         torque, energy = abs(self.laminar_torque) or 1.0, 0.5 * self.reference_velocity**2
-        newtonian, sign = self.rheology is None and self.periodic[0], -self.laminar_torque
+        sign = -self.laminar_torque
         return TimeSeries(
             content="torques of the fluid on the cylinders, and mean kinetic energies per mass along each axis",
             name="torque",
@@ -214,7 +224,7 @@ class Scene(AxisymmetricScene):
             measure=lambda snapshot: np.array([*snapshot.bodies.torque[:2], *self.kinetic_energies(snapshot)]),
             sizes=[torque, torque, energy, energy, energy],
             panels=[*2 * [("torque", "moment")], *2 * [("energy of the vortices", "energy")], ("energy", "energy")],
-            levels=[sign, -sign, *3 * [np.nan]] if newtonian else (),
+            levels=[sign, -sign, *3 * [np.nan]] if self.reference.applies else (),
             level_name="laminar",
         )
 

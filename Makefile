@@ -7,7 +7,7 @@ BIN := .venv/bin
 endif
 QUADRANTS := $(subst .venv,.venv-quadrants,$(BIN))
 
-.PHONY: demo test test-quadrants media docs docs-draft clean
+.PHONY: demo test test-quadrants media numbers docs docs-draft clean
 
 # Run the main job and print where its movie, plots and summary are.
 demo: .venv/run-ready
@@ -30,6 +30,10 @@ test-quadrants: .venv-quadrants/ready
 # Make the pictures and movies that README.md shows.
 media: .venv/run-ready
 	$(BIN)/python media/make.py
+
+# Compare numbers of the documents with the runs from which they come.
+numbers: .venv/test-ready
+	$(BIN)/python docs/_numbers.py
 
 # Make the documentation as a site in site/; a dead link is an error, and so is a page that a browser shows badly.
 docs: .venv/docs-ready

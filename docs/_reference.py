@@ -73,14 +73,27 @@ def member_keys(family, name):
     return dict(fields(registry.load(family, name).Parameters)), f"{SAME_KEYS.get(family, family)}/"
 
 
-def listing(scene=None):
-    """Lines of all keys, or of the keys of one scene, for a terminal of 100 columns."""
+def sections(scene):
+    """Names of the sections in the configs of a scene, or of one key."""
     shared, scenes = scene_keys()
-    chosen = scenes if scene is None else {scene: scenes[scene]}
-    yield from ("All scenes", *entries(shared))
-    for name, own in chosen.items():
-        yield from (f"\nScene {name}: {summary('scenes', name)}", *entries(own))
-    used = {family for each in (shared, *chosen.values()) for field in each.values() for family in families(field)}
+    return list(dict.fromkeys(key.partition(".")[0] for key in shared | scenes[scene]))
+
+
+def listing(scene=None, section=None):
+    """Lines of all keys, or of the keys of one scene, or of a section of it, for a terminal of 100 columns."""
+    shared, scenes = scene_keys()
+    chosen = {"All scenes": shared}
+    chosen |= {
+        f"\nScene {name}: {summary('scenes', name)}": own for name, own in scenes.items() if scene in (None, name)
+    }
+    if section:
+        chosen = {
+            head: {key: field for key, field in each.items() if key.partition(".")[0] == section}
+            for head, each in chosen.items()
+        }
+    for head, each in chosen.items():
+        yield from (head, *entries(each)) if each else ()
+    used = {family for each in chosen.values() for field in each.values() for family in families(field)}
     for family, title in FAMILIES.items():
         for name in registry.names(family) if family in used else ():
             yield f"\n{title.partition(':')[0]}: {name}"

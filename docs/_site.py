@@ -16,6 +16,8 @@ import _tutorials
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = {"media": ("*.png", "*.mp4", "*.gif"), "configs": ("*.yaml",)}
+NOTEBOOK = re.compile(r"(\]\([^)\s]*tutorials/[^)\s]+)\.ipynb\)")
+"""Link to a notebook, as a clone has it; the site has it executed, as a page."""
 
 
 def on_files(files, config):
@@ -24,6 +26,7 @@ def on_files(files, config):
         for path in sorted(path for pattern in patterns for path in (ROOT / folder).glob(pattern)):
             files.append(File.generated(config, f"{folder}/{path.name}", abs_src_path=str(path)))
     for name, page in {**_reference.PAGES, **_command_line.PAGES}.items():
+        files.remove(files.get_file_from_path(name))  # the page of a clone, which says where to read instead
         files.append(File.generated(config, name, content=page()))
     return _tutorials.add(_gallery.add(files, config), config)
 
@@ -33,6 +36,7 @@ def on_page_markdown(markdown, page, **_):
     up = "../" * page.file.src_uri.count("/")
     for folder in FOLDERS:
         markdown = markdown.replace(f"]({up}../{folder}/", f"]({up}{folder}/")
+    markdown = NOTEBOOK.sub(r"\1.md)", markdown)
     return _formulas.with_drawings(markdown)
 
 

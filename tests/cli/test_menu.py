@@ -20,13 +20,28 @@ def empty_folder(tmp_path, monkeypatch):
 
 
 def test_the_menu_has_every_config_with_a_line_of_its_own():
-    lines = new("--list").stdout.splitlines()
-    assert [line.split()[0] for line in lines] == [path.stem for path in menu()]
+    shown = new("--list").stdout.splitlines()
+    lines = [line for line in shown if line.startswith("  ")]
+    assert sorted(line.split()[0] for line in lines) == [path.stem for path in menu()]
     assert all(len(first_words(path)) >= SHORTEST for path in menu())
     words = dict(line.split(maxsplit=1) for line in lines)
     assert words["couette"] == "Start-up plane Couette flow"
     assert words["cavity"] == "Lid-driven cavity, Re = 100"
+    assert words["womersley"].startswith("Pulsating pipe flow (J. R. Womersley 1955)")  # no sentence ends at an initial
     assert list(Path().iterdir()) == []
+
+
+def test_the_menu_is_sorted_into_groups():
+    groups, name = {}, ""
+    for line in new("--list").stdout.splitlines():
+        if line.startswith("  "):
+            groups[line.split()[0]] = name
+        else:
+            name = line
+    assert groups["couette"] == groups["couette_jitter"] == "channel"
+    assert groups["oldroyd_b_cylinder_in_stream"] == "channel, open ends, bodies, non-Newtonian"
+    assert groups["cylinder_lattice"] == "lattice, bodies"
+    assert new("--list").stdout.splitlines().count("channel, bodies") == 1
 
 
 def test_a_copied_config_is_valid_and_says_how_to_run_it():
@@ -78,3 +93,19 @@ def test_keys_of_an_unknown_scene_name_the_nearest():
     done = keys("chanel")
     assert done.exit_code == 2
     assert "nearest: channel" in done.stderr
+
+
+def test_keys_of_one_section_are_no_others():
+    lines = keys("channel", "walls").stdout.splitlines()
+    assert lines[0] == "Scene channel: Channel flow."
+    shown = [line for line in lines if line.startswith("  ") and line[2] != " "]
+    own = [line for line in shown if line.startswith(("  walls:", "  walls."))]
+    assert len(own) > 20
+    assert shown[: len(own)] == own  # the keys of wall treatments follow
+    assert {line.partition(":")[0] for line in lines if line and line[0] != " "} == {"Scene channel", "Wall treatments"}
+
+
+def test_an_unknown_section_names_the_nearest():
+    done = keys("channel", "wals")
+    assert done.exit_code == 2
+    assert done.stderr.endswith("; nearest: walls\n")

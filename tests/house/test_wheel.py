@@ -53,7 +53,8 @@ def test_three_commands_after_the_wheel(python, tmp_path):
         call("-c", "import importlib.resources as r; print(r.files('tisph').joinpath('py.typed').is_file())")
         == "True\n"
     )
-    assert len(call("-m", "tisph", "new", "--list").splitlines()) == len(list((ROOT / "configs").glob("*.yaml")))
+    shown = [line for line in call("-m", "tisph", "new", "--list").splitlines() if line.startswith("  ")]
+    assert len(shown) == len(list((ROOT / "configs").glob("*.yaml")))
     assert call("-m", "tisph", "new", "couette_minimal") == "couette_minimal.yaml\n"
     assert "  fluid.density: number above 0 [mass/length³]; must be given\n" in call("-m", "tisph", "keys", "cavity")
     overrides = [part for text in (*SMALL, VIDEO) for part in ("--set", text)]

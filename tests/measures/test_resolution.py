@@ -84,7 +84,7 @@ def test_samples_and_pictures_say_so():
         (False, "the layer at the top wall is 0.2 spacings thin; resolved from 2 spacings on"),
         (True, None),
     ]
-    assert error_label(channel)(early) == "unresolved: 0.2 spacings"
+    assert error_label(channel)(early) == "unresolved: layer of 0.2 spacings"
     assert error_label(channel)(late).startswith("L2 error")
 
 
@@ -102,7 +102,9 @@ def test_a_force_of_the_operators_alone_is_not_resolved():
     channel = make_channel(initial_state="developed")
     snapshot = make_snapshot(channel, 0.0)
     assert resolution(channel, 0.0, replace(snapshot, added_power=0.01)) == (True, None)
-    text = "errors of the viscous force, where the viscosity jumps, do 0.025 of the dissipation; resolved up to 0.01"
+    text = (
+        "where the viscosity jumps, the power of errors in its force is 0.025 of the dissipation; resolved up to 0.01"
+    )
     assert resolution(channel, 0.0, replace(snapshot, added_power=0.025)) == (False, text)
 
 
@@ -111,7 +113,7 @@ def test_a_force_that_scatters_is_not_resolved():
     bodies = Bodies(*(np.array([[0.1, 0.2]]) for _ in range(8)))
     snapshot = replace(make_snapshot(channel, 0.0), bodies=bodies)
     assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.01, 0))) == (True, None)
-    text = "the force on the body at (0.1, 0.2) scatters by 0.033 of it from step to step; resolved up to 0.01"
+    text = "the force on the body at (0.1, 0.2) scatters from step to step by 0.033 of its size; resolved up to 0.01"
     assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.033, 0))) == (False, text)
 
 

@@ -255,7 +255,7 @@ def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
     text = "the gap between body and wall bottom is 2.4 spacings; resolved from 3 on"
     assert resolution(tight, 10.0) == (False, text)
     assert resolution(small, 10.0) == (False, "the smallest radius of body is 2.8 spacings; resolved from 3 on")
-    for scene, words in ((wide, ""), (tight, "unresolved: gap 2.4 dx")):
+    for scene, words in ((wide, ""), (tight, "unresolved: gap of 2.4 spacings")):
         snapshot = snapshot_of(scene, lambda x, y: 0 * x, lambda x, y: 0 * x, 10.0)
         snapshot = replace(snapshot, bodies=Bodies.at(10.0, scene.bodies))
         assert error_label(scene)(snapshot) == words
@@ -303,7 +303,7 @@ def test_divergent_velocities_are_not_resolved(tmp_path):
     snapshot = replace(snapshot_of(scene, lambda x, y: y, lambda x, y: 0 * x, 10.0), divergence=0.08)
     text = "the divergence is 0.08 of the velocity gradient; resolved up to 0.01"
     assert resolution(scene, 10.0, snapshot) == (False, text)
-    assert error_label(scene)(snapshot) == "unresolved: div u 0.08"
+    assert error_label(scene)(snapshot) == "unresolved: divergence 0.08"
     samples = Samples(tmp_path / "samples.h5", scene, [10.0])
     samples.observe(snapshot)
     samples.close()

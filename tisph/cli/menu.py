@@ -2,7 +2,7 @@
 
 import re
 import runpy
-from itertools import takewhile
+from itertools import groupby, takewhile
 from pathlib import Path
 from typing import Annotated
 
@@ -14,6 +14,9 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 SHORTEST = 20
 """Least number of characters of a line of the menu: a sentence ends at a dot or colon only after as many."""
+
+SENTENCE_END = re.compile(r"(?<![ (][A-Z])[.:;](?= |$)")
+"""End of a first sentence; the dot after an initial, as in "J. R. Womersley", is none."""
 
 
 def new(
@@ -28,8 +31,10 @@ def new(
       tisph new couette
     """
     if show:
-        for path in menu():
-            print(f"{path.stem:32} {first_words(path)}")
+        for kind, paths in groupby(sorted(menu(), key=kind_of), kind_of):
+            print(kind)
+            for path in paths:
+                print(f"  {path.stem:32} {first_words(path)}")
         return
     if name is None:
         raise ConfigError("NAME is missing; tisph new --list shows the menu")
@@ -39,6 +44,16 @@ def new(
 def menu() -> list[Path]:
     """Return the configs of the menu by their names."""
     return sorted(shipped("configs").glob("*.yaml"))
+
+
+def kind_of(path: Path) -> str:
+    """Return the group of a config in the menu: its scene, and open ends, bodies or a non-Newtonian fluid, if any."""
+    from tisph.config.yaml_text import parse
+
+    data = parse(path.read_text(encoding="utf-8")).data
+    law = data["fluid"].get("rheology", {}).get("type", "newtonian")
+    given = {"open ends": "ends" in data, "bodies": "bodies" in data, "non-Newtonian": law != "newtonian"}
+    return ", ".join([data["scene"], *(words for words, holds in given.items() if holds)])
 
 
 def shipped(name: str) -> Path:
@@ -53,7 +68,7 @@ def first_words(path: Path) -> str:
     """Return the first sentence of the comment at the top of a config."""
     lines = path.read_text(encoding="utf-8").splitlines()
     text = " ".join(line.removeprefix("# ").strip() for line in takewhile(lambda line: line.startswith("# "), lines))
-    ends = (match.start() for match in re.finditer(r"[.:;](?= |$)", text))
+    ends = (match.start() for match in SENTENCE_END.finditer(text))
     return text[: next((end for end in ends if end >= SHORTEST), len(text))]
 
 
@@ -94,22 +109,26 @@ def list_families(
     if family is not None and family not in registry.FAMILIES:
         raise ConfigError(f"FAMILY {family!r}: must be one of {', '.join(registry.FAMILIES)}")
     for shown in [family] if family else registry.FAMILIES:
+        names = registry.names(shown)
+        width = max(map(len, names))
         print(shown)
-        for name in registry.names(shown):
-            print(f"  {name:16} {registry.summary(shown, name)}")
+        for name in names:
+            print(f"  {name:{width}} {registry.summary(shown, name)}")
 
 
 def keys(
     scene: Annotated[str | None, typer.Argument(metavar="[SCENE]", help="One scene; all without it.")] = None,
+    section: Annotated[str | None, typer.Argument(metavar="[SECTION]", help="One section, such as time.")] = None,
 ) -> None:
     """Print the keys of a config: unit, allowed values, default and meaning.
 
-    With a SCENE they are the keys that its configs may have.
+    With a SCENE they are the keys that its configs may have, with a SECTION those of one section.
 
     \b
     Examples:
       tisph keys
       tisph keys channel
+      tisph keys channel walls
     """
     from tisph import registry
     from tisph.config.fields import nearest
@@ -117,5 +136,7 @@ def keys(
     names = registry.names("scenes")
     if scene not in (None, *names):
         raise ConfigError(f"SCENE {scene!r}: must be one of {', '.join(names)}{nearest(scene, names)}")
-    for line in runpy.run_path(str(shipped("docs") / "_reference.py"))["listing"](scene):  # the page of keys, too
-        print(line)
+    page = runpy.run_path(str(shipped("docs") / "_reference.py"))  # makes the page of keys, too
+    if section is not None and section not in (sections := page["sections"](scene)):
+        raise ConfigError(f"SECTION {section!r}: must be one of {', '.join(sections)}{nearest(section, sections)}")
+    print("\n".join(page["listing"](scene, section)).lstrip())

@@ -39,7 +39,7 @@ MOTION_KEYS = ("velocity", "amplitude", "angular_frequency", "phase", "times", "
 
 
 class End(Model):
-    """An inlet or an outlet. Fluid leaves an outlet freely: nu du/dn = p n, so that a developed flow leaves as it came.
+    """An inlet, whose velocity is given, or an outlet, where nu du/dn = p n: a developed flow leaves it unchanged.
 
     Fluid enters an inlet with the mean ``velocity`` + ``amplitude`` * cos or sin (``phase``) of w t [length/time], or
     with the mean ``velocities`` at ``times``, linear in between and constant before and after. Its ``profile`` is the

@@ -138,39 +138,39 @@ def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[
     spacings = depth / scene.spacing
     if spacings < LEAST_DEPTH:
         text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
-        return f"{spacings:.1f} spacings", text
+        return f"layer of {spacings:.1f} spacings", text
     radius, gap = scene.narrowest(t)
     for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
         spacings = size / scene.spacing
         if spacings < least * (1 - 1e-4):  # the error of gaps of moving bodies
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
-            return f"{name} {spacings:.2g} dx", text
+            return f"{name} of {spacings:.2g} spacings", text
     return None if snapshot is None else _unresolved_state(given, snapshot)
 
 
 def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
-    """Return the same for drift, divergence, viscous power, forces and polymer of a state."""
+    """Return a short text and the reason for the first criterion that a state fails (drift, ...), or None."""
     drift = scene.drift(snapshot)
     if drift > LARGEST_DRIFT:
         text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
-        return f"drift {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
+        return f"bodies drift by {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
     if snapshot.backflow is not None and snapshot.backflow > LARGEST_BACKFLOW * scene.reference_velocity:
         found = snapshot.backflow / scene.reference_velocity
         text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
         return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
-        return f"div u {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
+        return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
     if snapshot.added_power is not None and snapshot.added_power > LARGEST_ADDED_POWER:
         found = snapshot.added_power
-        text = f"errors of the viscous force, where the viscosity jumps, do {found:.2g} of the dissipation"
-        return f"viscosity {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
+        text = f"where the viscosity jumps, the power of errors in its force is {found:.2g} of the dissipation"
+        return f"viscous force off by {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
     if snapshot.load_scatter is not None and snapshot.bodies is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
         found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]
-        text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters by {found:.2g} of it from step to step"
-        return f"force {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
+        text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters from step to step by {found:.2g} of its size"
+        return f"force scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.steepest is not None and snapshot.steepest[0] > STEEPEST:
         change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"
-        return "polymer", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
+        return "polymer stress too steep", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
     return None

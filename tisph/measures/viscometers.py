@@ -284,7 +284,7 @@ def _lines(
     ]
     lines += [f"  {WAYS[way]:32} {mean:.5g} +- {error:.2g}" for way, (mean, error) in found.items()]
     if "relative_viscosity_contacts" in numbers:
-        lines.append(f"  {'of which contacts are':32} {numbers['relative_viscosity_contacts']:.3g}")
+        lines.append(f"  {'part by contacts':32} {numbers['relative_viscosity_contacts']:.3g}")
     if dilute:
         lines.append(f"  {'Einstein, dilute: 1 + 2 phi':32} {dilute:.5g}")
     if "contacts" in numbers:

@@ -140,7 +140,7 @@ def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[S
 
     Where u crosses zero or decays (``vanishing_scale``), the relative error is large although the particles are right;
     the text then has the rms error over the reference velocity U, ``rms error 1.5×10⁻³ U``. A flow that is not
-    resolved has no meaningful error: ``unresolved: 0.3 spacings`` is the thickness of its layer. ``field`` (name in the
+    resolved has no meaningful error: ``unresolved: layer of 0.3 spacings``. ``field`` (name in the
     snapshot, name in words) selects the error of one field. Without a reference the text is empty.
     """
     of_velocity = field is None

@@ -147,7 +147,7 @@ STRESS_ON_WALLS, STRESS_BY_BODIES, STRESS_BY_CONTACTS = (
 STRESS_WORDS = {
     STRESS_ON_WALLS: "on the walls",
     STRESS_BY_BODIES: "by the bodies",
-    STRESS_BY_CONTACTS: "contacts in that",
+    STRESS_BY_CONTACTS: "part by contacts",
 }
 """Names of the mean shear stresses in a legend."""
 

@@ -129,8 +129,8 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
     (CHANNEL, "walls.top.velocity_before=0.5", "the run starts from rest"),
     (CHANNEL, "initial.state=exact", "must be rest or developed"),
     (CHANNEL, "tracers.count=5", "forces"),
-    (REGION, "drive.acceleration=1.0", "the pressure takes it up"),
-    (REGION, "geometry={length: 1.0, height: 1.0}", "not allowed beside walls.around"),
+    (REGION, "drive.acceleration=1.0", "the pressure balances it"),
+    (REGION, "geometry={length: 1.0, height: 1.0}", "not allowed with walls.around"),
     (REGION, "walls.around.motion={velocity: [1.0, 0.0]}", "may only turn"),
     (REGION, "bodies=[{centre: [3.8, 1.0], radius: 0.3}]", "overlaps walls.around"),
 ])  # fmt: skip

@@ -122,7 +122,7 @@ def keys(
 ) -> None:
     """Print the keys of a config: unit, allowed values, default and meaning.
 
-    With a SCENE they are the keys that its configs may have, with a SECTION those of one section.
+    With a SCENE only the keys of its configs are printed, with a SECTION only the keys of this section.
 
     \b
     Examples:

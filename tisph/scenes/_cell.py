@@ -319,7 +319,7 @@ class Cell(BodyScene):
             for part in parts:
                 if part.oscillates and part.largest_speed:
                     moved = 0.5 * part.penetration_depth(self.kinematic_viscosity)
-                    layers.append((moved, "the layer at what oscillates"))
+                    layers.append((moved, "the layer at the oscillating body"))
         return min(layers)
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:

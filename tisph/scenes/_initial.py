@@ -37,7 +37,7 @@ def still_problem(config: Any, key: str, remedy: str) -> Iterator[Problem]:
     """Yield an error at ``key`` of a ``config`` in which nothing moves, unless it gives a reference velocity."""
     if not config.reference:
         text = "nothing moves: " + remedy
-        yield key, f"{text}; or a reference.velocity, for a fluid that functions given from Python move"
+        yield key, f"{text}; or a reference.velocity, where a Python function drives the fluid"
 
 
 class RestInitial(Model):

@@ -338,7 +338,7 @@ class Config(schema.Config):
         rheology = self.fluid.rheology
         if rheology.type != "newtonian" and self.singular:
             text = f"must be regular with {rheology.type}"
-            yield "walls.lid.profile", f"{text}: the flow in the corners of a sharp lid is that of newtonian ones"
+            yield "walls.lid.profile", f"{text}: the corner flow under a sharp lid is known for newtonian fluids only"
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
 

@@ -229,7 +229,7 @@ class Config(schema.Config):
             return
         yield from _without_ends(self)
         if self.drive.gravity:
-            yield "drive.gravity", "moves free bodies, and there are none: along the channel an acceleration drives it"
+            yield "drive.gravity", "moves free bodies only, and there are none; drive.acceleration drives the fluid"
         yield from _driven(self)
         yield from _motion(self)
         yield from start_problems(self, SIDES)
@@ -355,7 +355,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
         if wall.speed_before is not None:
             yield f"walls.{side}.velocity_before", f"is not allowed {where}: the run starts from rest"
     if config.walls.treatment.type != "consistent_image":
-        yield "walls.treatment.type", f"must be left out: {where} walls are points on them, without images"
+        yield "walls.treatment.type", f"must be left out: {where} walls have boundary points and no images"
     if config.probes != type(config.probes)():
         yield "probes", f"must be left out: {where} forces are recorded, and no velocities at probes"
     walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
@@ -414,7 +414,7 @@ def _problems_with_ends(config: Config) -> Iterator[Problem]:
     if config.has_free_bodies:
         listed = config.bodies if isinstance(config.bodies, tuple) else ()
         free = [f".{index}" for index, body in enumerate(listed) if body.motion == "free"]
-        text = "must not be free: bodies that the flow carries are not there with open ends"
+        text = "must not be free: a channel with open ends has no free bodies yet"
         yield from ((f"bodies{place}.motion", text) for place in free or [""])
     if config.drive.acceleration:
         yield "drive.acceleration", "must be 0: the inlet drives the flow"

@@ -105,7 +105,10 @@ def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:
         text = f"must be {LEAST_GAP:g} spacings away from the axis, {LEAST_GAP * spacing:.4g}, or symmetric about it"
         yield key, f"{text}, or a polygon with one side on it"
     if not body.free and (body.motion.y.largest_speed or body.motion.rotation.largest_speed):
-        yield f"{key}.motion", "must be along the axis, [u, 0], in axisymmetric flow; what turns around it says turning"
+        yield (
+            f"{key}.motion",
+            "must be along the axis, [u, 0], in axisymmetric flow; rotation around it is given in turning",
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,7 +213,7 @@ class Walls(Model):
     def _check_forms(self) -> "Walls":
         given = [name for name in ("bottom", "top") if getattr(self, name) is not None]
         if self.around is not None and given:
-            text = "is not allowed beside walls.around, which is all round the fluid"
+            text = "is not allowed with walls.around, which encloses the fluid"
             raise refusals([((name,), text, getattr(self, name)) for name in given])
         return self
 
@@ -252,7 +255,7 @@ class Config(schema.Config):
         if not closed and not given:
             raise refusals([(("geometry",), "is missing: give length and height, or walls.around", {})])
         if closed and given:
-            text = "is not allowed beside walls.around, whose size is that of the region"
+            text = "is not allowed with walls.around, which sets the size of the region"
             raise refusals([(("geometry",), text, data["geometry"])])
         return data
 
@@ -311,7 +314,7 @@ class Config(schema.Config):
         yield from _coordinate_problems(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
-            yield "drive.acceleration", "drives nothing inside a closed wall: the pressure takes it up"
+            yield "drive.acceleration", "drives no flow inside a closed wall: the pressure balances it"
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
         bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))

@@ -28,8 +28,8 @@ MOST_SHOWN = 5
 """Differences between two configs that a message lists."""
 
 OTHER_STEPS = (
-    "the steps before the checkpoint led to the old time.end, so that the bits are not those of a run that had the "
-    "later one from the start"
+    "the steps before the checkpoint were chosen for the old time.end, so that the result is not bitwise that of a run "
+    "with the new time.end from the start"
 )
 
 

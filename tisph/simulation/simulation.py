@@ -225,7 +225,7 @@ class Simulation:
         """
         self._open_scheme()
         if self.functions:
-            raise ConfigError("results: a folder holds what its config says, and that cannot say what a function is")
+            raise ConfigError("results: cannot be written for a run with Python functions, which no config can contain")
         if self.recording or (self.steps > self.first_step):
             raise TisphError("results: is to be called once, before the first step, as results begin with the start")
         self.recording = Recording.of(self, Path(folder), overwrite=overwrite, video=video)

@@ -61,7 +61,7 @@ def claimed(folder: Path, taken: str) -> Iterator[None]:
     except OSError as error:
         raise ConfigError(f"--out {folder}: cannot be written: {error.strerror or error}") from None
     except KeyboardInterrupt:
-        print(f"\nfinished runs are kept in {folder}; the same command goes on from them", flush=True)
+        print(f"\nfinished runs are kept in {folder}; the same command continues from them", flush=True)
         raise
 
 

@@ -63,7 +63,7 @@ def _problems_around_bodies(config: Any) -> Iterator[Problem]:
     if config.has_open_ends:
         yield "scheme.type", "wcsph has no open ends; take auto or implicit"
     elif not hasattr(getattr(config, "walls", None), "treatment"):
-        yield "scheme.type", f"wcsph has no walls as those of {config.scene}; take implicit"
+        yield "scheme.type", f"wcsph has no wall treatment for scene {config.scene}; take implicit"
     elif "walls" in config.members and config.walls.treatment.type not in AROUND_BODIES:
         text, (*others, last) = f"{config.walls.treatment.type} is for plane walls", AROUND_BODIES
         yield "walls.treatment.type", f"{text}; take {', '.join(others)} or {last}"

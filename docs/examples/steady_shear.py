@@ -1,0 +1,26 @@
+"""Print viscosity and N1 of polymers in steady shear, over their values at small rates: ``python steady_shear.py``."""
+
+from tisph import registry
+from tisph.exact.uniform_shear import UniformShear
+
+POLYMERS = [
+    {"type": "oldroyd_b"},
+    {"type": "giesekus", "mobility": 0.1},
+    {"type": "giesekus", "mobility": 0.3},
+    {"type": "phan_thien_tanner", "extensibility": 0.02},
+    {"type": "phan_thien_tanner", "extensibility": 0.25},
+    {"type": "phan_thien_tanner", "extensibility": 0.25, "form": "exponential"},
+    {"type": "fene_p", "maximum_extension": 20.0},
+    {"type": "fene_p", "maximum_extension": 100.0},
+]
+WEISSENBERG = 0.1, 1.0, 10.0
+
+print("| law | viscosity at Wi = 0.1 | 1 | 10 | N1 at 0.1 | 1 | 10 |\n|---|--:|--:|--:|--:|--:|--:|")
+for polymer in POLYMERS:
+    mode = registry.load("rheology", polymer["type"]).Mode(relaxation_time=1.0, **polymer)
+    shear = UniformShear(lambda rate: 0.0 * rate, (mode.law(1.0),))  # a polymer viscosity of 1, without solvent
+    steady = [shear.steady(rate) for rate in WEISSENBERG]
+    viscosity = [f"{stress / rate:.3g}" for rate, (stress, _) in zip(WEISSENBERG, steady, strict=True)]
+    normal = [f"{n1 / (2.0 * rate**2):.3g}" for rate, (_, n1) in zip(WEISSENBERG, steady, strict=True)]
+    words = ", ".join(f"{key} {value}" for key, value in polymer.items() if key != "type")
+    print("| " + " | ".join([f"`{polymer['type']}` {words}".rstrip(), *viscosity, *normal]) + " |")

@@ -118,7 +118,7 @@ SCHEDULED = "walls.top={times: [0, 1], velocities: [0, 1]}"
 ONLY_STEADY = "is only for a wall of constant velocity; this one oscillates"
 ONLY_SWINGING = "is only for a wall that oscillates, which has an amplitude"
 EXACTLY_ONE = "give exactly one of velocity, amplitude, shear_stress, stress_amplitude, stresses, velocities: "
-SOLVENT = "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) motion that starts at a wall is a front"
+SOLVENT = "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) a started wall sends out a front"
 
 # overrides that are wrong together, the key that is blamed with its value, part of the reason
 BAD = [

@@ -24,7 +24,7 @@ from tisph.config.base import Model, Positive, refusal
 def _share(value: float) -> float:
     if not 0 < value <= 1:
         raise refusal(
-            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) motion that starts at a wall is a front "
+            "must be greater than 0 and at most 1: at 0 (upper-convected Maxwell) a started wall sends out a front "
             "without thickness, and the momentum equation there divides by the solvent's viscosity; take 0.01 or less, "
             "docs/theory/fluids.md says how such a fluid differs"
         )

@@ -107,7 +107,7 @@ def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:
     if not body.free and (body.motion.y.largest_speed or body.motion.rotation.largest_speed):
         yield (
             f"{key}.motion",
-            "must be along the axis, [u, 0], in axisymmetric flow; rotation around it is given in turning",
+            "must be along the axis, [u, 0], in axisymmetric flow; give rotation in turning",
         )
 
 

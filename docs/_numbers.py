@@ -9,7 +9,11 @@ At the end the share of the numbers of each page that have a source is printed. 
 percentage of a page counts as a number.
 """
 
+import contextlib
+import csv
+import io
 import re
+import runpy
 import sys
 import tempfile
 from collections import Counter
@@ -42,11 +46,12 @@ class Entry:
     """An entry of docs/_numbers.yaml: texts of a ``page`` and the source of their numbers.
 
     ``run`` is a config, or the name of a config that the page shows, run with the overrides ``set`` and, with
-    ``estimate``, with coarser runs. ``verify`` is a suite, or ``quick`` for ``tisph verify --quick``. ``prints`` is a
-    command that prints the texts. ``quotes`` is a page with the same numbers. ``quick``: a test compares it, too.
+    ``estimate``, with coarser runs. ``verify`` is a suite, or ``quick`` for ``tisph verify --quick``. ``sweep`` is the
+    file of a sweep. ``prints`` is a command, ``tisph ...`` or ``python FILE``, that prints the texts. ``quotes`` is a
+    page with the same numbers. ``quick``: a test compares it, too.
     ``numbers``: text -> keys of its numbers. A key is an expression of numbers of the last sample, or at a time
     (``l2 @ 2.7``); a dotted path into summary.json; a row of the suite (``case: quantity``), or the largest of several
-    (``row | row``); or ``rows``, their number.
+    (``row | row``); ``rows``, their number; or row and column in the table of a sweep (``2: l2``).
     """
 
     page: str
@@ -55,6 +60,7 @@ class Entry:
     set: tuple = ()
     estimate: bool = False
     verify: str = ""
+    sweep: str = ""
     prints: str = ""
     quotes: str = ""
     quick: bool = False
@@ -64,12 +70,15 @@ class Entry:
         """Return the command, or the page, from which the numbers come."""
         words = [f"--set {text}" for text in self.set] + ["--estimate-error"] * self.estimate
         run = self.run and " ".join(["tisph run", self.run, *words])
-        return run or (self.verify and f"tisph verify {self.verify}") or self.prints or self.quotes
+        many = (self.verify and f"tisph verify {self.verify}") or (self.sweep and f"tisph sweep {self.sweep}")
+        return run or many or self.prints or self.quotes
 
     @cached_property
     def found(self):
         """Return the function key -> value of the source, after running it."""
-        return self.row if self.verify else self.number_of(*self.result())
+        if self.verify or self.sweep:
+            return self.row if self.verify else self.swept
+        return self.number_of(*self.result())
 
     def config(self):
         """Return the config that is run; ConfigError where it has a mistake."""
@@ -113,10 +122,24 @@ class Entry:
         criteria = {f"{one.case}: {one.quantity}": one for one in runner.suite.criteria}
         return max(runner.judge(criteria[one]).value for one in key.split(" | "))
 
+    def swept(self, key):
+        """Return a number in a row of the table of the sweep."""
+        row, _, column = key.partition(": ")
+        return float(table_of(self.sweep)[int(row) - 1][column])
+
+    def printed(self):
+        """Return what the command ``prints`` prints."""
+        program, *words = self.prints.split()
+        if program == "tisph":
+            return CliRunner().invoke(cli.app, words).stdout
+        with contextlib.redirect_stdout(io.StringIO()) as output:
+            runpy.run_path(str(ROOT / words[0]))
+        return output.getvalue()
+
     def wrong(self):
         """Return a line for each number that its source does not have."""
         if self.prints:
-            printed = CliRunner().invoke(cli.app, self.prints.split()[1:]).stdout
+            printed = self.printed()
             return [
                 f"{self.page}: {self.prints} does not print {text!r}" for text in self.numbers if text not in printed
             ]
@@ -164,6 +187,16 @@ def runner_of(suite):
     folder = RUNS / f"verify-{suite}"
     folder.mkdir(parents=True, exist_ok=True)
     return Runner(suite_of(None, quick=True) if suite == "quick" else suite_of(suite), folder)
+
+
+@cache
+def table_of(study):
+    """Return the rows of the table of a sweep, after running it; it keeps its runs."""
+    RUNS.mkdir(parents=True, exist_ok=True)
+    folder = RUNS / Path(study).stem
+    CliRunner().invoke(cli.app, ["sweep", str(ROOT / study), "--processes", "1", "--out", str(folder)])
+    with (folder / "table.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
 
 
 def shares():

@@ -45,7 +45,7 @@ IN_A_LIST = re.compile(r"\.-?\d+\.")
 class Entry:
     """An entry of docs/_numbers.yaml: texts of a ``page`` and the source of their numbers.
 
-    ``run`` is a config, or the name of a config that the page shows, run with the overrides ``set`` and, with
+    ``run`` is a config, or the name of a config that a page shows, run with the overrides ``set`` and, with
     ``estimate``, with coarser runs. ``verify`` is a suite, or ``quick`` for ``tisph verify --quick``. ``sweep`` is the
     file of a sweep. ``prints`` is a command, ``tisph ...`` or ``python FILE``, that prints the texts. ``quotes`` is a
     page with the same numbers. ``quick``: a test compares it, too.
@@ -85,7 +85,8 @@ class Entry:
         path = ROOT / self.run
         if path.is_file():
             return load(path, self.set)
-        shown = re.search(rf"`{self.run}`[^`]*```yaml\n(.*?)```", text_of(self.page), re.DOTALL)[1]
+        block = re.compile(rf"`{self.run}`[^`]*```yaml\n(.*?)```", re.DOTALL)
+        shown = next(found[1] for page in PAGES if (found := block.search(text_of(page))))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / self.run
             path.write_text(shown, encoding="utf-8")
@@ -213,18 +214,18 @@ def shares():
 def main(words):
     """Print each entry with its numbers that do not agree; exit with 1 if there are any."""
     chosen = [entry for entry in entries() if all(word in f"{entry.page} {entry.source}" for word in words)]
-    wrong = []
+    wrong = 0
     for entry in chosen:
         lines = entry.wrong()
         print(f"{entry.page}: {entry.source}: {len(lines) or 'no'} wrong", *lines, sep="\n  ", flush=True)
-        wrong += lines
+        wrong += len(lines)
     counts = list(shares())
     print("\nnumbers with a source, of all:")
     for page, with_source, numbers in counts:
         if with_source:
             print(f"  {page:40} {with_source:4} of {numbers}")
     print(f"  {'all pages':40} {sum(one[1] for one in counts):4} of {sum(one[2] for one in counts)}")
-    sys.exit("\n".join(wrong) or None)
+    sys.exit(wrong > 0)
 
 
 if __name__ == "__main__":

@@ -123,7 +123,7 @@ ERRORS = [
     ("walls.top={velocity: 1.0}", "walls.top: must be at rest: with open ends no wall moves yet"),
     ("walls.top={shear_stress: 1.0}", "walls.top: must be at rest: with open ends no wall moves yet"),
     ("walls.top={times: [0, 1], velocities: [0, 1]}", "walls.top: must be at rest: with open ends no wall moves yet"),
-    ("bodies=[{centre: [1, 0.5], radius: 0.2, motion: free}]", 'bodies.0.motion = "free": must not be free: bodies'),
+    ("bodies=[{centre: [1, 0.5], radius: 0.2, motion: free}]", 'bodies.0.motion = "free": must not be free'),
     ("bodies={type: random_circles, radius: 0.2, fraction: 0.1, motion: free}", 'bodies.motion = "free": must not be'),
     ("bodies=[{centre: [0.1, 0.5], radius: 0.2}]", "bodies.0.centre = [0.1, 0.5]: overlaps ends.left, by 0.1"),
     ("drive={acceleration: 1.0}", "drive.acceleration = 1.0: must be 0: the inlet drives the flow"),

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import _command_line
+import _formulas
 import _gallery as gallery
 import _reference as reference
 import pytest
@@ -118,6 +119,16 @@ def test_equations_are_numbered_in_order(path):
         number += letter in ("", "a")  # 3a, 3b are the parts of one
         expected.append(f"{number}{letter}")
     assert [tag[1] + tag[2] for tag in tags] == expected
+
+
+def test_formulas_can_be_drawn():
+    parser = _formulas.mathtext.MathTextParser("path")
+    for path in PAGES:
+        for text in _formulas.CODE.split(path.read_text(encoding="utf-8"))[::2]:
+            for pattern in (_formulas.DISPLAY, _formulas.INLINE):
+                for formula in pattern.findall(text):
+                    parser.parse(f"${_formulas.NUMBER.sub('', ' '.join(formula.split()))}$")
+                text = pattern.sub("", text)
 
 
 @pytest.mark.parametrize("path", THEORY, ids=lambda path: path.name)

@@ -103,7 +103,8 @@ def test_a_force_of_the_operators_alone_is_not_resolved():
     snapshot = make_snapshot(channel, 0.0)
     assert resolution(channel, 0.0, replace(snapshot, added_power=0.01)) == (True, None)
     text = (
-        "where the viscosity jumps, the power of errors in its force is 0.025 of the dissipation; resolved up to 0.01"
+        "where the viscosity jumps, errors of the viscous force have a power of 0.025 of the dissipation; "
+        "resolved up to 0.01"
     )
     assert resolution(channel, 0.0, replace(snapshot, added_power=0.025)) == (False, text)
 

@@ -163,7 +163,7 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
         return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
     if snapshot.added_power is not None and snapshot.added_power > LARGEST_ADDED_POWER:
         found = snapshot.added_power
-        text = f"where the viscosity jumps, the power of errors in its force is {found:.2g} of the dissipation"
+        text = f"where the viscosity jumps, errors of the viscous force have a power of {found:.2g} of the dissipation"
         return f"viscous force off by {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
     if snapshot.load_scatter is not None and snapshot.bodies is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
         found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]

@@ -13,9 +13,9 @@ POLYMERS = [
     {"type": "fene_p", "maximum_extension": 20},
     {"type": "fene_p", "maximum_extension": 100},
 ]
-RATES = 1.0, 10.0
+RATES = 0.1, 1.0, 10.0
 
-print("| law | viscosity at 1/λ | 10/λ | N1/rate² at 1/λ | 10/λ |\n|---|--:|--:|--:|--:|")
+print("| law | viscosity at 0.1/λ | 1/λ | 10/λ | N1/rate² at 0.1/λ | 1/λ | 10/λ |\n|---|--:|--:|--:|--:|--:|--:|")
 for polymer in POLYMERS:
     mode = registry.load("rheology", polymer["type"]).Mode(relaxation_time=1.0, **polymer)
     shear = UniformShear(lambda rate: 0.0 * rate, (mode.law(1.0),))  # a polymer viscosity of 1, without solvent

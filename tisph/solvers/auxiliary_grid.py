@@ -214,6 +214,7 @@ class WalledGrid(AuxiliaryGrid):
         nodes, used = np.stack([column * width, row * height], axis=1), diagonal > EMPTY * diagonal.max()
         if self.velocities:
             self.node_distance = distance(nodes)
+        self.closed = outlet is None
         if outlet:
             used &= outlet(nodes) > 0.0
         self.active = np.flatnonzero(used)
@@ -223,7 +224,11 @@ class WalledGrid(AuxiliaryGrid):
     def invert(self, field: Any, sigma: float, coefficient: float) -> None:
         """Replace f at the nodes by (- ``coefficient`` Laplacian)^-1 f; ``sigma`` is 0."""
         values = view(field)[: self.shape[0] * self.shape[1]]
-        values[...] = self.invert_pressure(values.astype(float) / coefficient)
+        result = self.invert_pressure(values.astype(float) / coefficient)
+        if self.closed and values.dtype == np.float32:
+            # a constant, amplified by 1 / FLOATING, is up to 1000 times the rest, of which rounding would leave little
+            result[self.active] -= result[self.active].mean()
+        values[...] = result
 
     def invert_pressure(self, values: np.ndarray) -> np.ndarray:
         """Return (-Laplacian)^-1 of ``values`` (nodes,)."""

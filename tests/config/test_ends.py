@@ -146,3 +146,24 @@ def test_an_error_names_its_key(loaded, changes, wanted):
 def test_other_scenes_name_the_scene_with_open_ends(name):
     with pytest.raises(ConfigError, match="ends = 1: unknown key; open ends are only for scene channel"):
         load(CONFIGS / f"{name}.yaml", ["ends=1"])
+
+
+REVERSING = [
+    ("velocity: 1.0, amplitude: 2.0, angular_frequency: 1.0, phase: sin", 6.0),
+    ("velocity: 1.0, amplitude: -1.1, angular_frequency: 1.0", 0.1),
+    ("amplitude: 1.0, angular_frequency: 1.0, phase: sin", 4.0),
+    ("times: [0.0, 1.0, 2.0], velocities: [0.0, 1.0, -0.1]", 2.0),
+    ("times: [0.0, 1.0], velocities: [-1.0, 1.0]", 0.5),
+]
+
+
+@pytest.mark.parametrize(("keys", "end"), REVERSING)
+def test_an_inflow_that_reverses_is_refused(loaded, keys, end):
+    with pytest.raises(ConfigError, match="lets fluid out through the inlet: its mean velocity is -"):
+        loaded(f"ends.left={{type: inlet, {keys}}}", f"time.end={end}")
+
+
+@pytest.mark.parametrize("number", [0, 2, 3])
+def test_an_inflow_that_would_reverse_after_the_run_is_accepted(loaded, number):
+    """Up to t = 3.1 a sine is above 0, and 1 + 2 sin t above -1e-9; the table is below 0 from t = 1.9 on."""
+    loaded(f"ends.left={{type: inlet, {REVERSING[number][0]}}}", f"time.end={1.9 if number == 3 else 3.1}")

@@ -48,6 +48,41 @@ def shear(config):
     return UniformShear(found.flux, found.laws)
 
 
+PULSE = "{type: inlet, velocity: 1.0, amplitude: 0.8, angular_frequency: 1.0, phase: sin}"
+PULSATING = f"ends={{left: {PULSE}, right: {{type: outlet}}}}"
+SLIT = (PULSATING, "fluid.kinematic_viscosity=0.04", "initial.state=developed")  # Womersley number 5 by half the gap
+
+
+def test_developed_pulsating_flow_satisfies_its_equation(loaded):
+    """u_t - nu u_yy is the same at all heights, u is 0 at walls and has the given mean; values of finite elements."""
+    inlet = scenes.of(loaded(*SLIT)).inlet
+    node, weight = np.polynomial.legendre.leggauss(40)
+    places, step = np.stack([0.0 * node, 0.5 * GAP * (1.0 + node)], axis=1), np.array([0.0, 1e-3])
+    for t, centre, gradient in ((14.1372, 2.4528, 0.269), (17.2788, 0.5472, None)):
+        u, walls = inlet.velocity(places, t)[:, 0], inlet.velocity(np.array([[0.0, 0.0], [0.0, GAP]]), t)
+        assert 0.5 * weight @ u == pytest.approx(1.0 + 0.8 * np.sin(t), rel=1e-12)
+        assert np.abs(walls).max() < 1e-14
+        assert inlet.velocity(np.array([[0.0, 0.5 * GAP]]), t)[0, 0] == pytest.approx(centre, abs=1e-4)
+        along = np.tile([0.0, 1.0], (len(places), 1))
+        slopes = [inlet.tangential_gradient(places + way * step, along, t)[:, 0] for way in (-1.0, 1.0)]
+        drop = inlet.acceleration(places, t)[:, 0] - 0.04 * (slopes[1] - slopes[0]) / 2e-3
+        assert np.ptp(drop) < 1e-5  # differences of the slope, with a step of 1e-3
+        assert gradient is None or drop[0] == pytest.approx(gradient, abs=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (SLIT, "its profile is that of developed pulsating flow"),
+        ((*SLIT, "ends.left.profile=parabolic"), "the flow behind it develops from that"),
+        ((*SLIT, "fluid={density: 1.0, kinematic_viscosity: 0.04, inertia: false}"), "develops from that"),
+        ((ENDS,), "width 2 m"),
+    ],
+)
+def test_check_says_what_enters_where_the_inflow_changes(loaded, changes, words):
+    assert dict(scenes.of(loaded(*changes)).parameters())["inlet"].endswith(words)
+
+
 CASES = [*(f"ends.left.profile={one}" for one in ("parabolic", "uniform", TABLE)), *map(fluid, FLUIDS)]
 
 

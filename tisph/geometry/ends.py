@@ -34,26 +34,36 @@ class OpenEnd(Body):
 
 @dataclass(frozen=True, kw_only=True)
 class Inlet(OpenEnd):
-    """An end with the velocity ``course`` (t) * ``profile`` (y) into the fluid, along its normal."""
+    """An end with the velocity ``course`` (t) * ``profile`` (y) into the fluid, along its normal.
+
+    ``oscillation``: None, or a profile whose complex amplitudes, times e^(i w t), are added and have no flow rate; w
+    is the angular frequency of the course.
+    """
 
     profile: InletProfile
     course: Any
+    oscillation: Any = None
 
-    def _inwards(self, values: np.ndarray) -> np.ndarray:
+    def _inwards(self, part: str, points: np.ndarray, time: float, order: int = 0) -> np.ndarray:
+        """Return the time derivative of an ``order`` 0 or 1 of a ``part`` of the profiles, along the normal."""
+        course, y = (self.course.velocity, self.course.acceleration)[order], points[:, 1]
+        values = float(course(time)) * getattr(self.profile, part)(y)
+        if self.oscillation:
+            turning = 1j * self.course.wave.angular_frequency
+            values = values + (turning**order * np.exp(turning * time) * getattr(self.oscillation, part)(y)).real
         return values[:, None] * self.shape.normal
 
     def velocity(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the velocity of the fluid at ``points``."""
-        return float(self.course.velocity(time)) * self._inwards(self.profile.value(points[:, 1]))
+        return self._inwards("value", points, time)
 
     def acceleration(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the acceleration of the fluid at ``points``, of a flow that has been parallel upstream."""
-        return float(self.course.acceleration(time)) * self._inwards(self.profile.value(points[:, 1]))
+        return self._inwards("value", points, time, order=1)
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the velocity along ``tangents`` (n, 2) at ``points``."""
-        slopes = self.profile.slope(points[:, 1]) * tangents[:, 1]
-        return float(self.course.velocity(time)) * self._inwards(slopes)
+        return self._inwards("slope", points, time) * tangents[:, 1:]
 
 
 @dataclass(frozen=True, kw_only=True)

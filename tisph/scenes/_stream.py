@@ -65,14 +65,72 @@ def end_lines(config: Any) -> dict[str, Line]:
 
 @dataclass(frozen=True)
 class InletFlow:
-    """The flow of an inlet with this ``profile`` everywhere, with the ``velocity`` along x."""
+    """The flow of an ``inlet`` everywhere."""
 
-    profile: InletProfile
-    velocity: float
+    inlet: Inlet
 
     def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the velocities (2, ...) along x and y."""
-        return np.stack([self.velocity * self.profile.value(y), 0.0 * x])
+        """Return the velocities (2, ...) along x and y at t = 0."""
+        return self.inlet.velocity(np.stack([np.ravel(x), np.ravel(y)], axis=1)).T.reshape(2, *np.shape(x))
+
+
+@dataclass(frozen=True)
+class Pulsation:
+    """An ``Inlet.oscillation``: developed oscillating flow between the heights ``low`` and ``high``.
+
+    A mean velocity A e^(i w t) from s = -h to h has the velocity, with k^2 = i w/nu,
+
+        u = A e^(i w t) (1 - cosh(ks)/cosh(kh))/(1 - tanh(kh)/(kh)),
+
+    of which the parabola with the same mean is subtracted. ``amplitude`` is A, ``wavenumber`` k. Source: J. R.
+    Womersley, J. Physiol. 127 (1955) 553-563, for a tube.
+    """
+
+    amplitude: complex
+    wavenumber: complex
+    low: float
+    high: float
+
+    @classmethod
+    def of(cls, config: Any, low: float, high: float) -> "Pulsation | None":
+        """Return the pulsation of a ``config``; None unless the developed flow of a Newtonian fluid oscillates."""
+        given, exact = config.ends.inlet, config.fluid.inertia and config.fluid.rheology.type == "newtonian"
+        if given.profile != "developed" or given.amplitude is None or not exact:
+            return None
+        wavenumber = np.sqrt(1j * given.angular_frequency / config.kinematic_viscosity)
+        return cls(given.amplitude * (1.0 if given.phase == "cos" else -1j), wavenumber, low, high)
+
+    def value(self, y: np.ndarray) -> np.ndarray:
+        """Return the complex amplitude at heights ``y``."""
+        cosh, scale = self._parts(y, 1.0)
+        return self.amplitude * ((1.0 - cosh) / scale - 6.0 * (y - self.low) * (self.high - y) / self._width**2)
+
+    def slope(self, y: np.ndarray) -> np.ndarray:
+        """Return the derivative of ``value`` along y."""
+        sinh, scale = self._parts(y, -1.0)
+        slope = -self.wavenumber * sinh / scale - 6.0 * (self.low + self.high - 2.0 * y) / self._width**2
+        return self.amplitude * slope
+
+    @property
+    def _width(self) -> float:
+        return self.high - self.low
+
+    def _parts(self, y: np.ndarray, sign: float) -> tuple[np.ndarray, complex]:
+        """Return cosh(ks), or with the ``sign`` -1 sinh(ks), over cosh(kh), and 1 - tanh(kh)/(kh)."""
+        k, half, s = self.wavenumber, 0.5 * self._width, y - 0.5 * (self.low + self.high)
+        over_wall = (np.exp(k * (s - half)) + sign * np.exp(-k * (s + half))) / (1.0 + np.exp(-2.0 * k * half))
+        return over_wall, 1.0 - np.tanh(k * half) / (k * half)
+
+
+def least_inflow(config: Any) -> tuple[float, float]:
+    """Return the smallest mean velocity through the inlet of a ``config`` during its run, and its time."""
+    given, course, times = config.ends.inlet, course_of(config.ends.inlet), [0.0, config.time.end]
+    if given.velocities:
+        times += given.times
+    elif given.amplitude is not None:
+        lowest = math.atan2(course.wave.sine, course.wave.cosine) + math.pi
+        times.append(lowest % (2.0 * math.pi) / given.angular_frequency)
+    return min((float(course.velocity(t)), t) for t in times if t <= config.time.end)
 
 
 def depends_on_flow_rate(config: Any) -> bool:
@@ -106,6 +164,11 @@ def profile_problems(config: Any) -> Iterator[Problem]:
     side = "left" if config.ends.inlet is config.ends.left else "right"
     given, (low, high) = config.ends.inlet.profile, heights_at(config, side)
     width, key = high - low, f"ends.{side}.profile"
+    least, when = least_inflow(config)
+    if least < -1e-9 * course_of(config.ends.inlet).largest_speed:
+        text = f"lets fluid out through the inlet: its mean velocity is {least:.4g} at t = {when:.4g}"
+        changing = "velocities" if config.ends.inlet.velocities else "amplitude"
+        yield f"ends.{side}.{changing}", f"{text}; flow that reverses is not there with open ends"
     if depends_on_flow_rate(config) and (config.ends.inlet.velocities or config.ends.inlet.amplitude):
         text = "must be parabolic, uniform or a table where the mean velocity changes"
         yield key, f"{text}: a developed {config.fluid.rheology.type} flow has another profile at each velocity"
@@ -131,14 +194,16 @@ class Stream(Cell):
         walls = plane_walls(length, gap, config.walls)
         places = end_lines(config)
         sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
-        profile, course = profile_of(config, *heights_at(config, sides[0])), course_of(config.ends.inlet)
-        ends = {
-            sides[0]: Inlet(shape=places[sides[0]], profile=profile, course=course),
-            sides[1]: Outlet(shape=places[sides[1]]),
-        }
+        heights = heights_at(config, sides[0])
+        inlet = Inlet(
+            shape=places[sides[0]],
+            profile=profile_of(config, *heights),
+            course=course_of(config.ends.inlet),
+            oscillation=Pulsation.of(config, *heights),
+        )
+        ends = {sides[0]: inlet, sides[1]: Outlet(shape=places[sides[1]])}
         bodies = bodies_of(config, {**walls, **ends})
-        along = float(course.velocity(0.0)) * places[sides[0]].normal[0]
-        developed = InletFlow(profile, along) if config.initial.state == "developed" else None
+        developed = InletFlow(inlet) if config.initial.state == "developed" else None
         return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
 
     @cached_property
@@ -341,6 +406,10 @@ class Stream(Cell):
         length, speed = self.units.length, f"{self.units.length}/{self.units.time}"
         course, width = self.inlet.course, self.inlet.shape.length
         text = f"mean velocity up to {course.largest_speed:.6g} {speed}, width {width:.6g} {length}"
+        if self.inlet.oscillation:
+            text += "; its profile is that of developed pulsating flow"
+        elif not self._constant:
+            text += "; its profile is the given one times the mean velocity, and the flow behind it develops from that"
         return [*super().parameters(), ("inlet", text)]
 
     def _cause(self) -> tuple[bool, str]:

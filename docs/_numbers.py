@@ -6,7 +6,7 @@ exit status is 1 if one does not agree. ``python docs/_numbers.py TEXT...`` comp
 name of their page or source. Runs are kept in runs/numbers/ and used again as long as config and package are the same.
 
 At the end the share of the numbers of each page that have a source is printed. Every decimal, power of ten and
-percentage of a page counts as a number.
+percentage of a page counts as a number, except in blocks of YAML and Python.
 """
 
 import contextlib
@@ -50,8 +50,9 @@ class Entry:
     file of a sweep. ``prints`` is a command, ``tisph ...`` or ``python FILE``, that prints the texts. ``quotes`` is a
     page with the same numbers. ``quick``: a test compares it, too.
     ``numbers``: text -> keys of its numbers. A key is an expression of numbers of the last sample, or at a time
-    (``l2 @ 2.7``); a dotted path into summary.json; a row of the suite (``case: quantity``), or the largest of several
-    (``row | row``); ``rows``, their number; or row and column in the table of a sweep (``2: l2``).
+    (``l2 @ 2.7``), or the largest of all samples (``largest l2``); a dotted path into summary.json; a row of the suite
+    (``case: quantity``), or the largest of all rows that match (``case: l2 .+``, in which ``*`` is a star); ``rows``,
+    their number; or row and column in the table of a sweep (``2: l2``).
     """
 
     page: str
@@ -110,18 +111,24 @@ class Entry:
         def number(key):
             if IN_A_LIST.search(f".{key}"):
                 return entry_of_summary(result.summary, key)
-            text, _, time = key.partition(" @ ")
-            return Number(text, key)(result, result.sample(float(time), "t") if time else result.last)
+            text, _, time = key.removeprefix("largest ").partition(" @ ")
+            chosen = [result.sample(float(time), "t") if time else result.last]
+            samples = result.summary["samples"] if key.startswith("largest ") else chosen
+            return max(Number(text, key)(result, sample) for sample in samples)
 
         return number
 
+    def criteria(self, key):
+        """Return the criteria of the suite whose rows match a key."""
+        criteria = runner_of(self.verify).suite.criteria
+        return [one for one in criteria if re.fullmatch(key.replace("*", r"\*"), f"{one.case}: {one.quantity}")]
+
     def row(self, key):
-        """Return the value in a row of the suite; KeyError where it has no such row."""
+        """Return the value in a row of the suite, or the largest in several."""
         runner = runner_of(self.verify)
         if key == "rows":
             return len(runner.suite.criteria)
-        criteria = {f"{one.case}: {one.quantity}": one for one in runner.suite.criteria}
-        return max(runner.judge(criteria[one]).value for one in key.split(" | "))
+        return max(runner.judge(one).value for one in self.criteria(key))
 
     def swept(self, key):
         """Return a number in a row of the table of the sweep."""
@@ -208,7 +215,8 @@ def shares():
             len(NUMBER.findall(text) if entry.prints else BRACED.findall(text)) for text in entry.numbers
         )
     for page in PAGES:
-        yield page, known[page], max(known[page], len(NUMBER.findall(text_of(page))))
+        text = re.sub(r"^```(?:yaml|python)$.*?^```$", "", text_of(page), flags=re.DOTALL | re.MULTILINE)
+        yield page, known[page], max(known[page], len(NUMBER.findall(text)))
 
 
 def main(words):

@@ -262,7 +262,8 @@ def test_what_is_not_named_is_the_default_key_by_key(tmp_path):
     config = load_data(tmp_path, "discretisation.precision=f32", "output.video.fps=10", "output.checkpoint_every=0.5")
     assert (config.particles_across, config.discretisation.precision) == (50, "f32")
     assert (config.output.video.fps, config.output.video.frames) == (10, 120)
-    assert load_data(tmp_path, discretisation={"kernel": "wendland_c2"}).particles_across == 50
+    data = {"discretisation": {"kernel": "wendland_c2"}, "scheme": {"type": "wcsph"}}
+    assert load_data(tmp_path, **data).particles_across == 50
 
 
 @pytest.mark.parametrize("none", ["false", "null"])

@@ -71,7 +71,7 @@ def test_particles_fill_the_region_behind_a_step(tmp_path):
     ("walls.bottom.corner_radius=0.1", "walls.bottom.corner_radius = 0.1: a corner of radius 0.1 has 1.2 spacings"),
     ("walls.bottom.corner_radius=0.3", "corners of radius 0.3 do not fit: at most 0.25"),
     ("geometry.length=2.5", "must lead from x = 0 to x = 2.5, not from 0 to 2"),
-    ("walls.bottom.outline=[[0.0, -0.1], [2.0, 0.0]]", "y from 0 to gap, 1"),
+    ("walls.bottom.outline=[[0.0, -0.1], [2.0, 0.0]]", "y from 0 to 1"),
     ("walls.bottom.outline=[[0.0, 0.7], [2.0, 0.7]]", "leaves a passage 0.3 wide: leave 6 spacings, 0.5"),
     ("walls.top={outline: [[0.0, 0.2], [2.0, 0.9]]}", "meets the other wall"),
     ("walls.bottom.outline=[[0.0, 0.5], [0.0, 0.0], [2.0, 0.0]]", "between the ends of the wall"),

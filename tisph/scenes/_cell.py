@@ -41,6 +41,8 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     if not (moving or pulled or config.has_open_ends or config.drive.acceleration):
         remedy = "give an acceleration, or let a body or a wall move"
         yield from still_problem(config, "drive.acceleration", remedy)
+    if config.contact and not free:
+        yield "contact", "is for free bodies: give one the motion free, or leave it out"
     if config.drive.gravity and not free:
         yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
     given = config.bodies

@@ -228,6 +228,8 @@ class Config(schema.Config):
             yield from _problems_with_bodies_or_ends(self)
             return
         yield from _without_ends(self)
+        if self.contact:
+            yield "contact", "is for free bodies, and there are none: leave it out"
         if self.drive.gravity:
             yield "drive.gravity", "moves free bodies only, and there are none; drive.acceleration drives the fluid"
         yield from _driven(self)
@@ -360,7 +362,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
         yield "probes", f"must be left out: {where} forces are recorded, and no velocities at probes"
     walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
     named = {f"walls.{name}": wall for name, wall in walls.items()}
-    if errors := list(_outlines(config, walls)):
+    if errors := list(outlined_wall_problems(config, walls)):
         yield from errors
         return
     if config.ends:
@@ -378,20 +380,20 @@ def _without_ends(config: Config) -> Iterator[Problem]:
             yield f"walls.{side}.outline", f"{text}; a periodic channel has planes"
 
 
-def _outlines(config: Config, walls: dict[str, Any]) -> Iterator[Problem]:
+def outlined_wall_problems(config: Any, walls: dict[str, Any]) -> Iterator[Problem]:
     """Yield the errors of walls with outlines; ``walls`` are the bodies bottom and top."""
     from tisph.bodies._clearance import size_problems
 
     (length, gap), spacing = config.extent, config.spacing
     given = {side: wall for side in SIDES if (wall := getattr(config.walls, side)).outline}
-    if given and config.initial.state == "developed":
+    if given and getattr(config.initial, "state", "rest") == "developed":
         yield "initial.state", "must be rest where a wall has an outline: no developed flow is known there"
     for side, wall in given.items():
         (first, last), heights = (wall.outline[0][0], wall.outline[-1][0]), [y for _, y in wall.outline]
         if (first, last) != (0.0, length):
             yield f"walls.{side}.outline", f"must lead from x = 0 to x = {length:g}, not from {first:g} to {last:g}"
         if not 0.0 <= min(heights) <= max(heights) <= gap:
-            yield f"walls.{side}.outline", f"must be within the box of the channel: y from 0 to gap, {gap:g}"
+            yield f"walls.{side}.outline", f"must be within the box: y from 0 to {gap:g}"
         yield from size_problems([(f"walls.{side}", wall, walls[side])], spacing, config.across)
     if given:
         least, pairs = checks.LEAST_PARTICLES_ACROSS * spacing, (("bottom", "top"), ("top", "bottom"))
@@ -405,7 +407,7 @@ def _outlines(config: Config, walls: dict[str, Any]) -> Iterator[Problem]:
 
 def _problems_with_ends(config: Config) -> Iterator[Problem]:
     """Yield the errors in the config of a channel with open ends."""
-    from tisph.scenes._stream import profile_problems
+    from tisph.scenes._stream import JITTER, profile_problems
 
     for side in SIDES:
         wall = getattr(config.walls, side)
@@ -418,4 +420,7 @@ def _problems_with_ends(config: Config) -> Iterator[Problem]:
         yield from ((f"bodies{place}.motion", text) for place in free or [""])
     if config.drive.acceleration:
         yield "drive.acceleration", "must be 0: the inlet drives the flow"
+    if 0.0 < config.initial.jitter < JITTER:
+        text = f"must be 0, which means {JITTER:g}, or {JITTER:g} to 0.5 with open ends"
+        yield "initial.jitter", f"{text}: columns of a lattice would leave all at once"
     yield from profile_problems(config)

@@ -35,7 +35,7 @@ from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_pe
 from tisph.scenes._scene import farthest
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import turning_of
-from tisph.scenes.channel import Wall
+from tisph.scenes.channel import Wall, outlined_wall_problems
 from tisph.snapshot import Snapshot
 
 LEAST_ANGLE = np.radians(49.9)
@@ -311,6 +311,15 @@ class Config(schema.Config):
             if wall and (wall.stress_controlled or wall.velocities):
                 yield f"walls.{name}", "must have a constant velocity, or an amplitude"
                 return
+            if wall and wall.velocity_before is not None:
+                yield f"walls.{name}.velocity_before", "must be left out: in a region the fluid is at rest at first"
+            if wall and wall.outline and self.axisymmetric:
+                text = "is for planar flow; around an axis walls are cylinders: leave it out"
+                yield f"walls.{name}.outline", f"{text}, and give a body of revolution, or the shape of walls.around"
+                return
+            plane = self.extent[1] if name == "top" else 0.0
+            if wall and wall.outline and any(y != plane for _, y in (wall.outline[0], wall.outline[-1])):
+                yield f"walls.{name}.outline", f"must begin and end at y = {plane:g}: the region is periodic along x"
         yield from _coordinate_problems(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
@@ -318,6 +327,8 @@ class Config(schema.Config):
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
         bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))
+        if around is None and not self.axisymmetric:
+            yield from outlined_wall_problems(self, walls)
         walls = {f"walls.{name}": wall for name, wall in walls.items()}
         placed = list(bodies.values()) if self.axisymmetric else bodies_of(self, walls, self.origin)
         yield from cell_problems(self, placed, walls)

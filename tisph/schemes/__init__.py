@@ -4,6 +4,7 @@ The constants say which rheologies, ways to drive a wall and wall treatments at 
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from tisph import registry
@@ -80,3 +81,31 @@ def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
     name = config.fluid.rheology.type
     if scheme == "wcsph" and name not in EXPLICIT_RHEOLOGIES:
         yield "scheme.type", f"wcsph has no {name} fluid; take implicit"
+
+
+def unused(config: Any, chosen: str, reason: str = "") -> Iterator["Problem"]:
+    """Yield dotted key and text of each key without effect where scheme ``chosen`` runs, unless it has its default.
+
+    ``reason``: why scheme ``auto`` does not choose ``implicit``.
+    """
+    beside = "does nothing beside time.cfl, which sets the steps: leave one of them out"
+    found = {}
+    if chosen == "wcsph":
+        found["scheme.accuracy"] = f"is for scheme implicit, which is not taken here: {reason}"
+    else:
+        wcsph = registry.load("schemes", "wcsph")
+        explicit = config.model_copy(update={"scheme": wcsph.Parameters()})
+        able = not any(chain(explicit.problems(), wcsph.problems(explicit)))
+        text = "is for scheme wcsph; implicit, which runs here, has no smoothing kernel: leave it out"
+        text += ", or give scheme: {type: wcsph}" if able else ""
+        found |= {"discretisation.kernel": text, "discretisation.smoothing_ratio": text}
+        one, other = ("strain", "courant") if config.parallel else ("courant", "strain")
+        found[f"scheme.largest_{other}"] = f"does nothing in this flow, whose steps have a largest_{one}: leave it out"
+        if config.time.cfl != "auto":
+            found |= {f"scheme.largest_{one}": beside, "scheme.accuracy": beside}
+            found |= {} if config.parallel else {"time.tolerance": beside}
+    for key, text in found.items():
+        section, name = key.split(".")
+        field = type(getattr(config, section)).model_fields.get(name)
+        if field is not None and getattr(getattr(config, section), name) != field.default:
+            yield key, text

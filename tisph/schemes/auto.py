@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from tisph import registry
 from tisph.config.base import Model
-from tisph.schemes import unsupported
+from tisph.schemes import unsupported, unused
 
 if TYPE_CHECKING:
     from tisph.config.base import Problem
@@ -50,8 +50,10 @@ def problems(config: Any) -> Iterator["Problem"]:
     implicit = registry.load("schemes", "implicit")
     if not config.parallel:  # only the implicit scheme is chosen, with either step control
         yield from implicit.problems(config)
+        yield from unused(config, "implicit")
         return
     obstacle = _obstacle(config, implicit)
+    yield from unused(config, "wcsph" if obstacle else "implicit", obstacle or "")
     if obstacle:
         yield from unsupported(config, "wcsph")
     if obstacle and config.time.tolerance != "auto":
@@ -88,13 +90,14 @@ def resolve(config: Any) -> tuple[Any, str]:
     else:
         tolerance, most = of_parallel_flow, strain
     candidate = implicit.Parameters(**{"largest_courant" if two_dimensional else "largest_strain": most})
-    given = config.time.tolerance
-    time = config.time.model_copy(update={"tolerance": tolerance if given == "auto" else given})
-    limit = f"{'Courant number' if two_dimensional else 'strain'} {most:g}"
-    wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
-    if config.singular:
+    time, limit = config.time, f"{'Courant number' if two_dimensional else 'strain'} {most:g}"
+    if time.cfl != "auto":
+        candidate = implicit.Parameters()
+        wanted = f"steps of Courant number {time.cfl:g}"
+    elif config.singular:
         wanted = f"{config.scheme.accuracy} accuracy, steps of {limit}"
-    if config.time.cfl != "auto":
-        wanted = f"steps of Courant number {config.time.cfl:g}"
+    else:
+        time = time if time.tolerance != "auto" else time.model_copy(update={"tolerance": tolerance})
+        wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
     reason = f"implicit, order {candidate.operators.order}: {wanted}"
     return config.model_copy(update={"scheme": candidate, "time": time}), reason

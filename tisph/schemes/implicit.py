@@ -16,7 +16,7 @@ from pydantic import Field
 
 from tisph.config.base import Model
 from tisph.least_squares import SKIN, SUPPORT
-from tisph.schemes import unsupported
+from tisph.schemes import unsupported, unused
 from tisph.schemes._channel.step import TOLERANCE, step_control
 from tisph.schemes._channel.walls import OBEY_MOMENTUM
 
@@ -70,7 +70,7 @@ def coarsen_steps(config: Any, factor: float) -> Any:
     The estimated error of a step scales with the third power of its length, in two-dimensional flow with the fourth.
     Courant numbers stay: they are in spacings, which are ``factor`` times as long.
     """
-    if config.time.cfl != "auto":
+    if config.time.cfl != "auto" or config.singular:
         return config
     tolerance = config.time.tolerance
     if tolerance == "auto" and config.parallel:
@@ -80,7 +80,7 @@ def coarsen_steps(config: Any, factor: float) -> Any:
 
         tolerance = _two_dimensional.TOLERANCE
     time = {"tolerance": min(tolerance * factor ** (3 if config.parallel else 4), LARGEST_TOLERANCE)}
-    strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)}
+    strain = {"largest_strain": min(config.scheme.largest_strain * factor, LARGEST_STRAIN)} if config.parallel else {}
     changed = {"time": config.time.model_copy(update=time), "scheme": config.scheme.model_copy(update=strain)}
     return config.model_copy(update=changed)
 
@@ -101,6 +101,8 @@ OPEN_COURANT = 1.0
 def problems(config: Any) -> Iterator["Problem"]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "implicit")
+    if config.scheme.type == "implicit":
+        yield from unused(config, "implicit")
     if not config.parallel:
         yield from _problems_in_two_dimensions(config)
         return

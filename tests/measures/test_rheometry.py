@@ -55,6 +55,13 @@ NORMALS = {"inner": 1.01, "inner_exact": 1.0, "outer": 7.0, "outer_exact": 7.0}
 """N1 at cylinders of which the inner one moves, over what theory has there."""
 
 
+def law_of(spectrum):
+    """Upper-convected modes with a spectrum, in uniform shear."""
+    law = registry.load("rheology", "oldroyd_b").Parameters
+    modes = [law(relaxation_time=time, solvent_fraction=0.1).laws(eta / 0.9)[0] for eta, time in spectrum.modes]
+    return UniformShear(lambda rate: spectrum.solvent * rate, tuple(modes))
+
+
 def plane(gap, wall):
     """What is asked of a channel with a moving wall, of density 1."""
     return SimpleNamespace(
@@ -138,12 +145,35 @@ def test_harmonics_do_not_mix():
     assert [found[1], found[3], found[5]] == pytest.approx([1.0, -0.1j, 0.0], abs=1e-12)
 
 
+def read_lines(reading):
+    """The rows of the table of a reading: numbers, and whether they are marked."""
+    rows = [line.split() for line in reading.lines[2:] if line.split()[0][0].isdigit()]
+    return np.array([row[:4] for row in rows], dtype=float), ["not resolved" in " ".join(row) for row in rows]
+
+
+@pytest.mark.parametrize("before", [None, 20.0])
+def test_start_up_and_cessation_without_inertia_are_those_of_the_law(before):
+    """A Giesekus fluid at rate 20 ends at 1.760 per rate as in the run of ``known``; linear theory has 9.997."""
+    member = registry.load("rheology", "giesekus")
+    laws = member.Parameters(relaxation_time=1.0, solvent_fraction=0.1, mobility=0.3).laws(10.0)
+    law, t = UniformShear(lambda rate: 1.0 * rate, laws), np.array([0.0, 1e-3, 0.3, 8.0])
+    wall = WallMotion(0.0, before=before) if before else WallMotion(20.0)
+    table = {"t": t, "wall_shear": t, "wall_shear_exact": t, "resolved": np.array([0, 0, 1, 1])}
+    found, marked = read_lines(_start_up(1.0, law, wall, table))
+    assert marked == [True, False, False]
+    steady = law.steady(20.0)[0] / 20.0
+    # jumps by the solvent at once; the mode relaxes from its steady stress, or grows elastically at first
+    expected = (steady - 1.0, 0.0) if before else (1.0 + 9e-3, steady)
+    assert found[[0, -1], 3] == pytest.approx(expected, rel=5e-3, abs=5e-3)
+    assert steady < 2.5
+
+
 def test_stress_after_cessation_is_over_the_rate_before():
     t, steady = np.linspace(0.0, 3.0, 31), 0.5 / 0.1
     wall = WallMotion(0.0, before=0.5)
     table = {"t": t, "wall_shear": 1.01 * steady * (LIQUID.viscosity - LIQUID.growth(t))}
     table["wall_shear_exact"] = table["wall_shear"] / 1.01
-    numbers = _start_up(SimpleNamespace(gap=0.1), LIQUID, wall, table).numbers
+    numbers = _start_up(0.1, law_of(LIQUID), wall, table).numbers
     left = LIQUID.viscosity - LIQUID.growth(3.0)
     assert numbers["viscosity_at_the_end"] == pytest.approx(1.01 * left)
     assert numbers["viscosity_at_the_end_reference"] == pytest.approx(left)
@@ -217,7 +247,7 @@ def test_a_cylinder_is_read_as_a_plane():
     growth = wall.cosine**2 * LIQUID.normal_stress_growth(t)
     normal = {f"n1_{name}": factor * growth for name, factor in NORMALS.items()}
     _, wall, table = as_plane(annulus, {"t": t, "torque_inner": torque, "torque_inner_exact": torque, **normal})
-    reading = _start_up(SimpleNamespace(gap=1.0), LIQUID, wall, table)
+    reading = _start_up(1.0, law_of(LIQUID), wall, table)
     known = LIQUID.normal_stress_growth(20.0)
     assert reading.numbers["normal_stress_coefficient_at_the_end"] == pytest.approx(1.01 * known)
     assert reading.numbers["normal_stress_coefficient_at_the_end_reference"] == pytest.approx(known)
@@ -259,7 +289,7 @@ def test_the_picture_has_units_and_logarithmic_axes_below_their_legends(tmp_path
     table = {"t": t, "wall_shear": LIQUID.growth(t), "wall_shear_exact": LIQUID.growth(t), "n1": t, "n1_exact": t}
     figures = []
     monkeypatch.setattr(report.style.PlotFigure, "savefig", lambda self, *rest, **others: figures.append(self))
-    report.plot_reading(tmp_path / "a.png", "name", _start_up(plane(1.0, wall), LIQUID, wall, table), units)
+    report.plot_reading(tmp_path / "a.png", "name", _start_up(1.0, law_of(LIQUID), wall, table), units)
     viscosity, normal = figures[0].axes
     assert (viscosity.get_xlabel(), viscosity.get_ylabel()) == ("time [s]", "viscosity growth eta+ [g/(cm s)]")
     assert normal.get_ylabel() == "N1 over the square of the rate [g/cm]"

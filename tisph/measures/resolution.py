@@ -31,6 +31,11 @@ are correlated. Means over particles scatter by 2e-3 in a cavity of 25 x 25, and
 this term every fourth time would count as unsteady."""
 
 
+LEAST_TURNS = 8
+"""Least number of times at which scatter changes its sign beside a parabola. A bend, as after a start, does so some
+three to five times: its size is no scatter."""
+
+
 def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) -> float | None:
     """Return the first of ``times`` (n,) from which ``values`` (n, numbers) equal the last ones; None if it is late.
 
@@ -50,22 +55,26 @@ def steadiness(
     """Return ``energy_change``, ``steady`` and ``steady_reason`` (None for steady flow) at time ``t``, by name.
 
     The first is the relative change of the kinetic energy in a time step: the slope of a straight line through its
-    values in the last ``SPAN`` steps. The step is the convective time of the reference length, or a fifth of its
-    viscous time if that is shorter. ``series`` is the argument of ``Scene.diagnostics``. For another ``column`` the
-    last of the ``words`` names the change, such as ``torque_change``.
+    values in the last ``SPAN`` steps, without the start itself, at which walls may jump. The step is the convective
+    time of the reference length, or a fifth of its viscous time if that is shorter, but at least the relaxation time of
+    a polymer. ``series`` is the argument of ``Scene.diagnostics``. For another ``column`` the last of the ``words``
+    names the change, such as ``torque_change``.
     """
     key = f"{words.split()[-1]}_change"
     step = min(scene.reference_length / scene.reference_velocity, 0.2 * scene.viscous_time)
+    step = max(step, scene.polymer.relaxation_time) if scene.polymer else step
     times, series_values = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
     if t < scene.start_time + SPAN * step:
         return _unsteady(key, f"the flow has run for less than {SPAN * step:.3g}")
-    recent = (times >= t - SPAN * step) & (times <= t)
+    recent = (times >= t - SPAN * step) & (times <= t) & (times > scene.start_time)
     if np.count_nonzero(recent) < 3:
         return _unsteady(key, "the history has too few times")
     when, values = times[recent] / step, series_values[recent, column]
     mean = np.mean(values)
     change = float(abs(np.polyfit(when, values, 1)[0] / mean))
-    scatter = np.std(values - np.polyval(np.polyfit(when, values, 2), when)) / abs(mean)
+    beside = values - np.polyval(np.polyfit(when, values, 2), when)
+    turns = np.count_nonzero(np.diff(np.sign(beside)))
+    scatter = np.std(beside) / abs(mean) if turns >= LEAST_TURNS else 0.0
     if not change <= max(STEADY, SCATTER * scatter / (np.std(when) * np.sqrt(len(when)))):
         return _unsteady(key, f"the {words} changes by {change:.1e} in a time of {step:.3g}", change)
     return {key: change, "steady": True, "steady_reason": None}

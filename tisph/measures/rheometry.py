@@ -26,7 +26,7 @@ import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
-from tisph.exact.uniform_shear import UniformShear
+from tisph.exact.uniform_shear import REMEMBERED, UniformShear
 from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.viscometers import (
@@ -93,7 +93,8 @@ def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
     )
     shears = {f"wall_shear{name}": values for name, values in columns.items()}
     normals = {f"n1{end}": table[f"n1_{moving[0]}{end}"] for end in ("", "_exact") if f"n1_{moving[0]}{end}" in table}
-    return plane, wall, {"t": table["t"], "strain": wall.displacement(table["t"]), **shears, **normals}
+    same = {name: table[name] for name in ("t", "resolved") if name in table}
+    return plane, wall, {**same, "strain": wall.displacement(table["t"]), **shears, **normals}
 
 
 SMALL = 0.01
@@ -302,7 +303,9 @@ def _by_velocity(config: Any, channel: Any, fluid: Spectrum, wall: Any, table: T
     """Return the reading for a ``wall`` with a given velocity; ``table`` belongs to an upper wall."""
     if isinstance(wall, Schedule):
         return read_schedule(config, channel, fluid, wall, table)
-    return _oscillation(channel, fluid, wall, table) if wall.oscillates else _start_up(channel, fluid, wall, table)
+    if wall.oscillates:
+        return _oscillation(channel, fluid, wall, table)
+    return _start_up(channel.gap, uniform_shear(config.fluid.rheology, channel), wall, table)
 
 
 def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
@@ -438,25 +441,30 @@ def _amplitudes(t: np.ndarray, values: np.ndarray, frequency: float, degree: int
     return {number: complex(*found[2 * k : 2 * k + 2]) for k, number in enumerate(HARMONICS)}
 
 
-def _start_up(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
-    """Return viscosity growth after a start, or stress decay after a stop, over the shear rate."""
-    rate = wall.cosine / channel.gap
-    before = (wall.before or 0.0) / channel.gap
+def _start_up(gap: float, law: UniformShear, wall: Any, table: Table) -> Reading:
+    """Return viscosity growth after a start, or stress decay after a stop, over the shear rate.
+
+    ``law`` in uniform shear, which has been steady at the rate before, gives stress and N1 without inertia.
+    """
+    rate, before = wall.cosine / gap, (wall.before or 0.0) / gap
     steady = before or rate
     t = table["t"][1:]
-    growth = fluid.growth(t)
-    theory = growth if rate else fluid.viscosity - growth
+    memory = REMEMBERED * max((mode.relaxation_time for mode in law.laws), default=0.0) if before else 0.0
+    rates = [(0.0, lambda t: before + 0.0 * t)] * bool(memory) + [(memory, lambda t: rate + 0.0 * t)]
+    theory, normal_theory = law.response(rates, memory + t)
+    theory = theory / steady
     found, exact = table["wall_shear"][1:] / steady, table["wall_shear_exact"][1:] / steady
     quantity = "viscosity growth eta+" if rate else "stress after cessation, over the rate before"
     lines = [f"{quantity}; shear rate {rate:.6g}, before {before:.6g}"]
-    lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory})
+    resolved = table["resolved"][1:] if "resolved" in table else None
+    lines += over_time(t, {"apparent": found, "reference": exact, "no inertia": theory}, resolved)
     numbers = {"shear_rate": rate} if rate else {}
     numbers |= {"viscosity_at_the_end": float(found[-1]), "viscosity_at_the_end_reference": float(exact[-1])}
     axis = Axes("time", quantity, ("time", "viscosity"), logarithmic=bool(rate))
     curves = [
         (axis, "run", t, found, "."),
         (axis, "reference", t, exact, "-"),
-        (axis, "linear theory without inertia", t, theory, "--"),
+        (axis, "without inertia", t, theory, "--"),
     ]
     normal = normal_stress(table)
     if normal is not None:
@@ -469,8 +477,7 @@ def _start_up(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading
         units = "time", "normal_stress_coefficient"
         axis = Axes("time", "N1 over the square of the rate", units, logarithmic=bool(rate))
         curves += normal_curves(table, axis, t, slice(1, None), steady**2)
-        if rate:
-            curves.append((axis, "upper-convected modes, without inertia", t, fluid.normal_stress_growth(t), "--"))
+        curves.append((axis, "without inertia", t, normal_theory / steady**2, "--"))
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)
 
 
@@ -488,7 +495,8 @@ def _creep(channel: Any, fluid: Spectrum, table: Table) -> Reading:
     during = (t > 0) & (t <= end * (1 + 1e-12))
     found, known, theory = strain[during] / stress, exact[during] / stress, fluid.compliance(t[during])
     lines = [f"creep compliance J under the stress {stress:.6g}"]
-    lines += over_time(t[during], {"run": found, "reference": known, "no inertia": theory})
+    resolved = table["resolved"][during] if "resolved" in table else None
+    lines += over_time(t[during], {"run": found, "reference": known, "linear theory": theory}, resolved)
     axis = Axes("time", "strain over stress", ("time", "compliance"))
     curves = [
         (axis, "run", t, strain / stress, "."),

@@ -78,9 +78,15 @@ def normal_curves(
     return [(axis, words, abscissae, table[name][rows] / scale, kind) for name, words, kind in NORMALS if name in table]
 
 
-def over_time(t: np.ndarray, columns: Table) -> list[str]:
-    """Return lines of a table of ``columns`` by name at some of the times, more densely at the start."""
-    return at_rows(t, columns, np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1)
+def over_time(t: np.ndarray, columns: Table, resolved: np.ndarray | None = None) -> list[str]:
+    """Return lines of a table of ``columns`` by name at some of the times, more densely at the start.
+
+    ``resolved`` (times,): whether the run is resolved at a time; lines of others say so.
+    """
+    chosen = np.unique(np.geomspace(1, len(t), SHOWN).astype(int)) - 1
+    head, *lines = at_rows(t, columns, chosen)
+    marks = [resolved is None or resolved[row] for row in chosen]
+    return [head, *(line if good else f"{line}  not resolved" for line, good in zip(lines, marks, strict=True))]
 
 
 def at_rows(t: np.ndarray, columns: Table, chosen: np.ndarray) -> list[str]:

@@ -40,7 +40,7 @@ PARTS = {
     ),
     "schemes._time_step": "SHIFT shift_speed stiffness time_step_limits",
     "schemes._two_dimensional": (
-        "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTED guessed_steps=_guessed_steps "
+        "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTING guessed_steps=_guessed_steps "
         "log_conformation log_conformation_with_swirl two_dimensional_scheme=scheme "
         "step_limits viscoelastic_stress wall_points"
     ),

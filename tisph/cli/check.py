@@ -32,16 +32,15 @@ LARGE_ERROR = 0.1
 LONG = 86400.0
 """Seconds of an estimated run time above which there is a warning."""
 
-BESIDE_LOOP, FRAME = {True: (3.0, 20.0), False: (5.0, 40.0)}, 0.025
-"""Least and largest time [s] of a run beside its loop and its movie, by whether the flow is parallel: kernels may have
-been compiled before, and pictures may have many bodies. Then the largest time [s] of a frame of the movie. The runs of
-all configs took 3 to 13 s of processor time in parallel flow, and 5 to 29 s in other flows."""
+BESIDE_LOOP, FRAME = {True: 8.0, False: 13.0}, 0.012
+"""Time [s] of a run beside its loop and its movie, by whether the flow is parallel, and of a frame of the movie. The
+runs of all configs took 3 to 13 s of processor time in parallel flow, and 5 to 29 s in other flows."""
 
 ERROR_FACTORS = {True: 3.0, False: 10.0}
 """Largest factor between the stated error and the error of the run, by whether the sample is resolved."""
 
-LOOP_FACTORS = 0.3, 2.5
-"""Least and largest time of a step over its estimate: by threads, processor and iterations of the solvers."""
+TIME_FACTOR = 2.0
+"""Largest factor between the time of a run and its estimate: by threads, processor, kernels compiled before, steps."""
 
 PROGRAM = "0.2 to 0.4 GB"
 """Memory of a run with few particles, measured for all configs."""
@@ -98,9 +97,8 @@ def estimates(config: Any) -> dict[str, Any]:
     scene = _scene(config)
     resolved, reason = schemes.resolve(config)
     run = schemes.estimates(resolved, scene)
-    fewest, most = run["samples"][-1].steps_range(run["steps"])
     frames = config.output.video.frames if config.output.video else 0
-    step_time, (least, largest) = run["run_time"] / run["steps"], BESIDE_LOOP[scene.parallel]
+    total_time = BESIDE_LOOP[scene.parallel] + run["run_time"] + frames * FRAME
     return {
         "reynolds": scene.reynolds,
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
@@ -109,11 +107,9 @@ def estimates(config: Any) -> dict[str, Any]:
         "memory": checks.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
-        "steps_range": (fewest, most),
-        "total_time_range": (
-            least + fewest * step_time * LOOP_FACTORS[0],
-            largest + most * step_time * LOOP_FACTORS[1] + frames * FRAME,
-        ),
+        "steps_range": run["samples"][-1].steps_range(run["steps"]),
+        "total_time": total_time,
+        "total_time_range": (total_time / TIME_FACTOR, total_time * TIME_FACTOR),
         "resolved": [_resolved(scene, sample)[0] for sample in run["samples"]],
         **run,
     }
@@ -134,7 +130,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     largest = "" if explicit else "about " if config.parallel else "at most "
     digits = 4 if explicit else 2
     step = f"{largest}{numbers['time_step']:.{digits}g} {time}, set by the {numbers['binding_limit']} limit"
-    steps = _range(numbers["steps_range"])
+    steps = _about(numbers["steps"], numbers["steps_range"])
     guessed = "" if reliable else "; how the particles will flow is not known beforehand"
     number = f"{config.particles_across} across"
     if any(config.periodic):
@@ -152,7 +148,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("memory", f"about {format_bytes(numbers['memory'])} for the particles, beside that of the program, {PROGRAM}"),
         (
             "run time",
-            f"{_times(numbers['total_time_range'])} in all on an idle machine, with compiling, pictures and movie",
+            f"{_total_time(numbers)} in all on two idle cores, with compiling, pictures and movie",
         ),
     ]
 
@@ -160,9 +156,9 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
 def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """Yield label and text of every ``SampleEstimate``: whether it is resolved, steps and error, as far as known."""
     for sample in samples:
-        steps = _range(sample.steps_range(sample.steps))
+        steps = _about(sample.steps, sample.steps_range(sample.steps), " steps")
         resolved, state = _resolved(scene, sample)
-        parts = [state, f"{steps} steps", *_error_text(sample, ERROR_FACTORS[resolved is True])]
+        parts = [state, steps, *_error_text(sample, ERROR_FACTORS[resolved is True])]
         yield f"at t = {sample.t:g} {scene.units.time}", "; ".join(parts)
     if any(sample.rms is None for sample in samples):
         yield "errors", "no estimate before the run where none is stated; tisph run --estimate-error states one"
@@ -201,7 +197,8 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
     if numbers["run_time"] > LONG:
-        yield f"the run may take {_range(numbers['steps_range'])} steps, {_times(numbers['total_time_range'])}"
+        steps = _about(numbers["steps"], numbers["steps_range"], " steps")
+        yield f"the run takes {steps}, {_total_time(numbers)}"
     if numbers["mach"] > HIGHEST_MACH * (1 + 1e-9):
         yield f"the Mach number is above {HIGHEST_MACH:g}; expect compressibility errors"
     highest = HIGHEST_CELL_REYNOLDS["wcsph" if numbers["sound_speed"] else "implicit"]
@@ -235,24 +232,19 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         )
 
 
-def _range(numbers: tuple[float, float]) -> str:
-    """Return two positive numbers as text, rounded outwards to two or three digits; one number if they are equal."""
-    low, high = numbers
+def _about(number: float, reach: tuple[float, float], unit: str = "") -> str:
+    """Return a positive number and its least and largest value as text of two or three digits; an exact one alone."""
+    low, high = reach
     if low == high:
-        return f"{low:g}"
+        return f"{number:g}{unit}"
     digits = 2 if high > 1.2 * low else 3
-    units = [10.0 ** (math.floor(math.log10(end)) + 1 - digits) for end in numbers]
-    low, high = (math.floor(round(low / units[0], 6)) * units[0], math.ceil(round(high / units[1], 6)) * units[1])
-    return f"{low:g} to {high:g}"
+    shown = [f"{float(f'{each:.{digits}g}'):.12g}" for each in (number, low, high)]
+    return f"about {shown[0]}{unit} ({shown[1]} to {shown[2]})"
 
 
-def _times(seconds: tuple[float, float]) -> str:
-    (least, unit), (most, of_most) = (_duration(each).split() for each in seconds)
-    return f"{least} to {most} {unit}" if unit == of_most else f"{least} {unit} to {most} {of_most}"
-
-
-def _duration(seconds: float) -> str:
-    for name, size in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
-        if seconds >= 2 * size:
-            return f"{seconds / size:.2g} {name}"
-    return f"{seconds:.2g} s"
+def _total_time(numbers: dict[str, Any]) -> str:
+    """Return the time of the whole run, in the unit that suits it."""
+    seconds, (low, high) = numbers["total_time"], numbers["total_time_range"]
+    units = ("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0), ("seconds", 1.0)
+    unit, size = next((name, size) for name, size in units if seconds >= 2 * size or size == 1.0)
+    return _about(seconds / size, (low / size, high / size), f" {unit}")

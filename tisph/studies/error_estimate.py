@@ -98,8 +98,7 @@ class Coarser:
             finer = _validated(self.config, self.configs[0])
             known = schemes.estimates(schemes.resolve(finer)[0], scenes.of(finer))
             text = f"after the run a finer one, {finer.particles_across} across, tells the error instead"
-            cost = "about {} to {} steps".format(*known["samples"][-1].steps_range(known["steps"]))
-            print(f"{self.message}\n{text}: {cost}", file=sys.stderr, flush=True)
+            print(f"{self.message}\n{text}: about {known['steps']} steps", file=sys.stderr, flush=True)
 
     def report(self) -> str:
         """Write the estimates into the ``summary.json`` of the finished run, and return them as text."""

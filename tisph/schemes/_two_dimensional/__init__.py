@@ -3,6 +3,7 @@
 The problem that the scheme solves is a box, a fluid, scales, and the walls in it.
 """
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +16,7 @@ from tisph.geometry.ends import OpenEnd
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
-from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, SAFETY
 from tisph.schemes._two_dimensional.step_limits import TOLERANCE, courant_speed, first_step, is_slow, viscous_step
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
@@ -35,19 +36,22 @@ slow flow and in quick start-up it was 2.9, in developed flow 1.6."""
 NOT_NEWTONIAN = 1.7
 """Factor of the cost of a particle with a polymer, or with a viscosity that varies."""
 
-FREE = 4.0
+FREE = 1.6
 """Factor of the cost of a particle with bodies that the flow carries."""
 
 TOGETHER = 4.0
 """Factor of the cost of a particle in slow flow, where velocity and pressure are solved for together."""
 
-STARTED = 60
-"""Steps that a start from rest takes in addition to the steps of the longest length, with the usual tolerance: 30 to
-100 in resolved runs of docs/evidence/verification.md."""
+STARTING = 1.7
+"""Time scale of a flow that starts from rest, over the time since its start: its layers grow with the square root of
+the time. Starts of 20 runs took as many steps as with 1.0 to 2.4."""
 
-KNOWN, GUESSED, GUESSED_TOGETHER = (0.5, 3.0), (0.5, 6.0), (0.4, 6.0)
-"""Steps of a run over the estimated ones, least and most, where the flow is known, where it is not, and in slow flow.
-Of the configs they are 0.57 to 2.4, 0.52 to 4.7 and 0.40 to 2.4 (``benchmarks/estimates.py``)."""
+IN_PASSAGES = 1.5
+"""Largest velocity over the mean velocity of a passage, as between plane walls: around a cylinder it was 1.5 to 1.7."""
+
+FACTORS = 0.5, 2.0
+"""Steps of a run over the estimated ones, least and most. Of 34 configs they were 0.66 to 1.9, but 2.8 in
+``segre_silberberg`` and 4.0 in ``contraction``, with open ends (``benchmarks/estimates.py``)."""
 
 JUDGED_BY = "divergence", "steepest stress"
 """Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""
@@ -224,8 +228,7 @@ def estimates(config: Any, scene: Any) -> SchemeEstimates:
     cost = COST * (BETWEEN_WALLS if scene.bodies else 1.0) * (NOT_NEWTONIAN if scene.rheology else 1.0)
     cost *= TOGETHER if slow else FREE if scene.has_free_bodies else 1.0
     judged_by = JUDGED_BY if scene.polymer else JUDGED_BY[:1]
-    factors = KNOWN if known else GUESSED_TOGETHER if slow else GUESSED
-    sample = SampleEstimate(0.0, 0, steps_reliable=known, steps_factors=factors, judged_by=judged_by)
+    sample = SampleEstimate(0.0, 0, steps_reliable=known, steps_factors=FACTORS, judged_by=judged_by)
     return {
         "mach": 0.0,
         "sound_speed": None,
@@ -239,22 +242,39 @@ def estimates(config: Any, scene: Any) -> SchemeEstimates:
 
 
 def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, courant: float) -> list[int]:
-    """Return the steps up to each of the times ``ends``, of the length that the reference velocity allows.
+    """Return the steps up to each of the times ``ends``.
 
-    Velocities around the axis move no particle. The errors of the steps of a start are of fourth order in their length.
+    With a ``tolerance`` e the backward differences allow steps of 0.9 (22 e / 3)^(1/4) times the time scale of the flow
+    as a particle sees it (``TimeWeights.step_error``). It is 1 / frequency of a drive, L / (2 pi U) in vortices of size
+    L in a box that holds nothing else, and ``STARTING`` times the time since a start. Velocities around the
+    axis move no particle.
     """
     turns = scene.axisymmetric and not (scene.acceleration or scene.kept_mean_velocity or scene.has_free_bodies)
     turns = turns and not any(body.motion.x.largest_speed for body in scene.bodies)
+    open_ended = any(isinstance(body, OpenEnd) for body in scene.bodies)
+    filled = "u" in scene.fields or open_ended or any(body.in_fluid for body in scene.bodies)
+    vortices = not scene.bodies or (not filled and (turns or not any(scene.periodic)))
     speed = courant_speed(0.0 if turns else scene.reference_velocity, scene)
-    longest = courant * scene.spacing / speed
+    allowed = courant * scene.spacing / (speed * (IN_PASSAGES if scene.kept_mean_velocity or open_ended else 1.0))
     if not is_slow(scene, courant):
-        longest = min(longest, viscous_step(scene))
-    # steps that grow, less their time
-    begin = np.log(longest / first_step(longest, scene)) / np.log(LARGEST_MULTISTEP_FACTOR) - 1 / (
-        1 - 1 / LARGEST_MULTISTEP_FACTOR
-    )
-    started = STARTED * (TOLERANCE / tolerance) ** 0.25 if tolerance else 0.0
-    begun = [1 + sum(change < t for change in scene.jump_times) for t in ends]
+        allowed = min(allowed, viscous_step(scene))
+    first, growth = first_step(allowed, scene), LARGEST_MULTISTEP_FACTOR
+    if tolerance:
+        accurate = SAFETY * (22 / 3 * tolerance) ** 0.25
+        frequency = scene.time_series().angular_frequency
+        if vortices:
+            around = 0.5 * speed if turns else speed  # Taylor vortices have about a twentieth of the wall's velocity
+            frequency = max(frequency, 2.0 * np.pi * around / scene.reference_length)
+        allowed = min(allowed, accurate / frequency) if frequency else allowed
+        growth = min(growth, 1.0 + accurate * STARTING) if scene.inertia and scene.bodies else growth
+    grown = allowed / (growth - 1.0)  # time at which steps that are a part of it are as long as allowed
+
+    def steps(time: float) -> float:
+        """Return the number of steps in the ``time`` after a start."""
+        return np.log(max(min(time, grown) / first, growth)) / np.log(growth) + max(time - grown, 0.0) / allowed
+
+    begins = [[scene.start_time, *(change for change in scene.jump_times if change < end)] for end in ends]
     return [
-        max(1, round(started + n * begin + (t - scene.start_time) / longest)) for n, t in zip(begun, ends, strict=True)
+        max(1, round(sum(steps(after - before) for before, after in itertools.pairwise([*begin, end]))))
+        for begin, end in zip(begins, ends, strict=True)
     ]

@@ -239,15 +239,16 @@ def _least_distance(one: Body, other: Body, time: float, points: int) -> float:
 
 
 def smallest_gap(
-    bodies: Sequence[Body], time: float = 0.0, points: int = POINTS
+    bodies: Sequence[Body], time: float = 0.0, points: int = POINTS, below: float = math.inf
 ) -> tuple[float, tuple[int, int] | None]:
-    """Return the smallest gap among ``bodies`` and the indices (i, j) of the two; (infinity, None) for one alone.
+    """Return the smallest gap among ``bodies`` and the indices (i, j) of the two.
 
-    i = j for a body and its own copy in a periodic cell.
+    (infinity, None) for one alone, and where no gap can be ``below`` a given one. i = j for a body and its own copy in
+    a periodic cell.
     """
     least, closest = math.inf, None
     for bound, (i, j) in _bounds(bodies, time, points):
-        if bound > least:
+        if bound > min(least, below):
             break
         if i != j:
             apart = gap(bodies[i], bodies[j], time, points)

@@ -13,6 +13,7 @@ no digits.
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -98,6 +99,11 @@ class ClosedCurve(Shape):
     def convex_radius(self) -> float:
         """Smallest radius with the fluid outside a curve that bulges everywhere."""
         return self.smallest_radius if self.fluid_side == "outside" else math.inf
+
+    @cached_property
+    def reach(self) -> float:
+        """Largest distance of points of the curve from the origin of the frame."""
+        return float(np.linalg.norm(self.boundary_points(self.length / 1000).point, axis=1).max())
 
     def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Return the closest points of the wall to ``points`` (n, 2)."""

@@ -55,38 +55,35 @@ class Probes:
         near = np.abs(nearest_image(snapshot.x - self.centre, self._length)) < self.half_width
         near &= snapshot.y > self.y.min() - self._radius
         near &= snapshot.y < self.y.max() + self._radius
-        when = np.zeros(np.count_nonzero(near), dtype=int)
-        return self.velocities(1, when, snapshot.x[near], snapshot.y[near], snapshot.u[near])[0]
+        return self.values(snapshot.x[near], snapshot.y[near], snapshot.u[near])
 
-    def velocities(self, times: int, when: np.ndarray, x: np.ndarray, y: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return velocities along x at the points at several ``times`` (their number), shape (times, points).
+    def values(self, x: np.ndarray, y: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """Return the velocities along x at the points (points,).
 
-        ``x``, ``y`` and ``u``, flat, are the particles within at least ``half_width`` of ``centre``; ``when``
-        (ascending) is the index of the time of each.
+        ``x``, ``y`` and ``u`` (near,) are the particles within at least ``half_width`` of ``centre``.
         """
         particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
         along = nearest_image(x[particle] - self.x[point], self._length) / self._radius
         across = (y[particle] - self.y[point]) / self._radius
         distance = np.sqrt(along * along + across * across)
-        where = when[particle] * self.x.size + point
         order = np.flatnonzero(distance < 1.0)
-        order = order[np.argsort(where[order], kind="stable")]
+        order = order[np.argsort(point[order], kind="stable")]
         along, across, distance, particle = along[order], across[order], distance[order], particle[order]
-        found, first = np.unique(where[order], return_index=True)
+        found, first = np.unique(point[order], return_index=True)
         square = (1 - distance) * (1 - distance)
         weight = square * square * (1 + 4 * distance)
         ones = np.ones_like(along)
         basis = np.stack([ones, along, across, along * along, along * across, across * across], axis=1)
         weighted = basis * weight[:, None]
-        values = np.full((times, self.x.size), np.nan)
+        values = np.full(self.x.size, np.nan)
         if found.size:
             moments = np.add.reduceat(weighted[:, :, None] * basis[:, None, :], first)
             sums = np.add.reduceat(weighted * u[particle, None], first)
             try:
-                values.flat[found] = np.linalg.solve(moments, sums[..., None])[:, 0, 0]
+                values[found] = np.linalg.solve(moments, sums[..., None])[:, 0, 0]
             except np.linalg.LinAlgError:  # a void in a diverging flow gives a value instead of an exception
                 inverse = np.linalg.pinv(moments, rcond=1e-12, hermitian=True)
-                values.flat[found] = (inverse @ sums[..., None])[:, 0, 0]
+                values[found] = (inverse @ sums[..., None])[:, 0, 0]
         return values
 
 

@@ -29,8 +29,8 @@ from tisph.geometry.ends import Outlet
 from tisph.geometry.region import nearest_image
 from tisph.snapshot import Snapshot
 
-CHUNK = 4096
-"""Points that are fitted at a time: some tens of megabytes."""
+CHUNK = 512
+"""Points that are fitted at a time: their arrays, some megabytes, stay in the cache of a processor."""
 
 NEIGHBOURS = {2: 18, 4: 44}
 """Number of particles of a fit by its degree: three times as many as coefficients, so that it is determined for any
@@ -188,10 +188,10 @@ def min_distance(scene: Any, snapshot: Snapshot) -> float:
 def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
     """Return the radius over the spacing of the largest circle without a particle; sqrt(1/2) on a lattice.
 
-    Its centre is a corner of the Voronoi cells of the particles. Where the box is not periodic, only centres between
-    particles count.
+    It goes through the corners of a triangle of the Delaunay triangulation of the particles. Where the box is not
+    periodic, only centres between particles count.
     """
-    from scipy.spatial import Voronoi  # a fifth of a second to import, which only some runs need
+    from scipy.spatial import Delaunay  # a fifth of a second to import, which only some runs need
 
     low, sizes = np.asarray(scene.origin), np.asarray(scene.extent)
     periods = np.where(scene.periodic, sizes, 1.0)
@@ -203,8 +203,13 @@ def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
             positions = np.concatenate(copies)
             near = np.abs(positions[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
             positions = positions[near]
-    cells = Voronoi(positions)
-    within = cells.vertices[((cells.vertices >= low) & (cells.vertices <= low + sizes)).all(axis=1)]
+    corner, *others = positions[Delaunay(positions).simplices].transpose(1, 0, 2)
+    (ax, ay), (bx, by) = ((other - corner).T for other in others)
+    squares, doubled = (ax**2 + ay**2, bx**2 + by**2), 2.0 * (ax * by - ay * bx)
+    with np.errstate(divide="ignore", invalid="ignore"):  # three particles in line at the edge
+        away = np.stack([by * squares[0] - ay * squares[1], ax * squares[1] - bx * squares[0]], axis=1)
+        vertices = corner + away / doubled[:, None]
+    within = vertices[((vertices >= low) & (vertices <= low + sizes)).all(axis=1)]
     centres = within[scene.seen(snapshot).contains(within, snapshot.t)] if scene.bodies else within
     tree, _ = periodic_tree(scene, particles)
     return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
@@ -238,6 +243,26 @@ def cell_mean(scene: Any, snapshot: Snapshot) -> np.ndarray:
     return weights @ values
 
 
+BAND = 8.0
+"""Spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
+
+
+def section_mean(scene: Any, snapshot: Snapshot) -> float:
+    """Return the mean of u over the cross-section ``scene.open_section``, see ``section_weights``.
+
+    In an incompressible flow it is the mean over all of a box that is periodic in x, bodies included, at a tenth of the
+    cost of ``cell_mean``. The two differ by the errors of their nodes, up to 3e-4 of the velocity.
+    """
+    scene, t = scene.seen(snapshot), snapshot.t
+    positions, velocity = with_walls(scene, snapshot)
+    if not _finite(positions, velocity):
+        return np.nan
+    nodes, weights = _section(scene, t)
+    near = np.abs(nearest_image(positions[:, 0] - nodes[0, 0], scene.extent[0])) <= BAND * scene.spacing
+    tree, _ = periodic_tree(scene, positions[near])
+    return float(weights @ local_fits(tree, nodes, velocity[near, :1], 4)[0][:, 0, 0])
+
+
 def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
     """Return weights (n,) of values at ``positions`` in their mean over the cross-section ``scene.open_section``.
 
@@ -247,14 +272,18 @@ def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
     if not _finite(positions):
         return np.full(len(positions), np.nan)
     tree, _ = periodic_tree(scene, positions)
-    heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
-    place = scene.open_section(t) % scene.extent[0]
-    nodes = np.stack([np.full_like(heights, place), scene.origin[1] + scene.extent[1] * heights], axis=1)
-    if scene.axisymmetric:
-        weights = weights * nodes[:, 1] / (weights @ nodes[:, 1])
+    nodes, weights = _section(scene, t)
     equations, weighted, nearest, _ = _normal_equations(tree, nodes, 4, NEIGHBOURS[4])
     at_nodes = np.linalg.solve(equations, weighted)[:, 0]  # factors of the nearest values in the constant term
     return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), len(positions))
+
+
+def _section(scene: Any, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the nodes (n, 2) of a mean over the cross-section at time ``t``, and their weights (n,)."""
+    heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
+    place = scene.open_section(t) % scene.extent[0]
+    nodes = np.stack([np.full_like(heights, place), scene.origin[1] + scene.extent[1] * heights], axis=1)
+    return nodes, weights * nodes[:, 1] / (weights @ nodes[:, 1]) if scene.axisymmetric else weights
 
 
 def _nodes(scene: Any) -> tuple[np.ndarray, np.ndarray]:

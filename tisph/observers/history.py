@@ -14,20 +14,20 @@ import numpy as np
 from tisph.folder import hdf5_file, readable, replaced, written
 from tisph.geometry.body import Body
 from tisph.measures.resolution import resolution
-from tisph.observers.protocol import LastStep, StateObserver, Times, even_times
+from tisph.observers.protocol import LastStep, StateObserver, StepEnds, even_times
 from tisph.observers.samples import Description
 from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 RECORDS = 401
-"""Lines of the history, evenly spaced in time."""
+"""Most lines of the history: at evenly spaced times, and at most one a step, at its end."""
 
 RESOLVED = "resolved"
 """Name of the column after the followed quantities; in files of older versions they are the last."""
 
 
 class History(StateObserver):
-    """Appends a line ``t, NUMBERS, resolved`` at evenly spaced times from the start of the run to ``end``.
+    """Appends a line ``t, NUMBERS, resolved`` at the end of each step that reaches one of ``RECORDS`` even times.
 
     ``series`` (``scenes/_views.py: TimeSeries``) defines the numbers. ``resolved`` is 1 or 0, see
     ``measures/resolution.py``. ``close`` adds the references of the numbers, of all lines at once, which costs little.
@@ -49,7 +49,7 @@ class History(StateObserver):
         self.scene = scene
         self.time_series, self.extra_series = series, scene.extra_series
         self.more: list[str] = [] if self.extra_series is None else list(self.extra_series.columns)
-        self.schedule = Times(even_times(scene.start_time, end, RECORDS), resumed_at)
+        self.schedule = StepEnds(even_times(scene.start_time, end, RECORDS), resumed_at)
         self.probes = None if self.extra_series else series.probes
         """Interpolation from the particles around some places; None where a line needs the whole state."""
         kept: list[tuple[float, np.ndarray, bool]] = []
@@ -65,12 +65,12 @@ class History(StateObserver):
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
     def tell(self, step: LastStep, times: Sequence[float]) -> None:
-        """Append lines: from the particles around the probes, where they suffice, else from whole states."""
+        """Append a line: from the particles around the probes, where they suffice, else from the whole state."""
         if self.probes is None or step.steps == 0:
-            super().tell(step, times)
+            self.observe(step.end())
         else:
-            when, x, y, u = step.around(times, self.probes.centre, self.probes.half_width)
-            self.record(times, self.probes.velocities(len(times), when, x, y, u))
+            values = self.probes.values(*step.around(self.probes.centre, self.probes.half_width))
+            self._append(self._line(step.time, values, self._resolved(self.scene, step.time)).encode())
 
     def observe(self, snapshot: Snapshot) -> None:
         """Append one line."""
@@ -78,11 +78,6 @@ class History(StateObserver):
         if self.extra_series:
             values = np.append(values, self.extra_series.measure(snapshot))
         self._append(self._line(snapshot.t, values, self._resolved(self.scene.seen(snapshot), snapshot.t)).encode())
-
-    def record(self, times: Sequence[float], values: np.ndarray) -> None:
-        """Append lines of ``values`` (times, numbers) at ``times``."""
-        flags = [self._resolved(self.scene, t) for t in times]
-        self._append("".join(map(self._line, times, values, flags)).encode())
 
     def reading(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """Return places and followed numbers of ``snapshot``, arrays (numbers,), and times and numbers so far."""
@@ -178,7 +173,7 @@ DELAY = 5.0
 
 
 class Trajectories(StateObserver):
-    """Records the bodies in the fluid at evenly spaced times from the start to ``end``, as many as ``History``.
+    """Records the bodies in the fluid at the times of the ``History`` of a run to ``end``.
 
     Datasets: ``t`` (records,) and each of ``BODY_FIELDS``, (records, bodies, ...), in the units of the config.
     Attributes ``names`` (bodies,): their numbers among the bodies of the config, as in columns of the history;
@@ -200,7 +195,7 @@ class Trajectories(StateObserver):
         self.chosen = [index for index, body in enumerate(bodies) if body.in_fluid]
         self.shapes = [type(bodies[index].shape).__name__.lower() for index in self.chosen]
         self.free = [bodies[index].free for index in self.chosen]
-        self.schedule = Times(even_times(scene.start_time, end, RECORDS), resumed_at)
+        self.schedule = StepEnds(even_times(scene.start_time, end, RECORDS), resumed_at)
         self.times: list[float] = []
         self.records: dict[str, list[np.ndarray]] = {name: [] for name in BODY_FIELDS}
         if resumed_at is not None:
@@ -209,6 +204,10 @@ class Trajectories(StateObserver):
                 self.times = times[times <= resumed_at].tolist()
                 self.records = {name: list(file[name][: len(self.times)]) for name in BODY_FIELDS}
         self.flush()
+
+    def tell(self, step: LastStep, times: Sequence[float]) -> None:
+        """Add a record of the end of the step."""
+        self.observe(step.end())
 
     def observe(self, snapshot: Snapshot) -> None:
         """Add one record."""

@@ -35,13 +35,13 @@ class LastStep(Protocol):
     def check(self) -> None:
         """Let the guard check the latest state, once; DivergedError where it is not sound."""
 
-    def around(
-        self, times: Sequence[float], x: float, half_width: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return index of the time (ascending), x, y and velocity along x of particles, flat arrays of one length.
+    def end(self) -> Snapshot:
+        """Return the state at the end of the step, which the guard checks once in ``guard.INTERVAL`` steps only."""
 
-        They are the particles within ``half_width`` of the place ``x`` at each of the ``times``. This costs far less
-        than whole states.
+    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return x, y and velocity along x of the particles within ``half_width`` of the place ``x``, arrays (near,).
+
+        They are those at the end of the step, and cost far less than a whole state.
         """
 
 
@@ -116,6 +116,14 @@ class Times:
             return None
         first, self.passed = self.passed, bisect_right(self.times, time)
         return self.times[first : self.passed]
+
+
+class StepEnds(Times):
+    """The end of each step that reaches one or more of the ``times``: at most one time a step."""
+
+    def take(self, time: float, _steps: int = 0) -> list[float] | None:
+        """Return ``time``, the end of the last step, where it or a time before it is due."""
+        return None if super().take(time) is None else [time]
 
 
 class EveryTime:

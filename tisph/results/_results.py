@@ -74,7 +74,7 @@ class SampleErrors(ByName):
 
 @dataclass(frozen=True)
 class Cost:
-    """Steps, seconds of the clock (``_s``), and the largest memory [MB] of a run."""
+    """Steps, seconds of the clock (``wall_``) and of processor time, and the largest memory [MB] of a run."""
 
     steps: int | None
     wall_total_s: float | None
@@ -82,6 +82,8 @@ class Cost:
     wall_compile_s: float | None
     wall_loop_s: float | None
     wall_output_s: float | None
+    processor_loop_s: float | None
+    processor_output_s: float | None
     particle_steps_per_s: float | None
     peak_memory_mb: float | None
 

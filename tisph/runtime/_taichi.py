@@ -18,6 +18,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 CACHE_BYTES = 2**30
 """Size limit of each of the two folders of compiled kernels. A config needs 1 to 5 MB; with Taichi's default of 100 MB
 a study of some dozens of configs compiled everything again and again."""
@@ -111,13 +113,18 @@ if NAME == "taichi":
     Kernel, _TRANSLATED = ti.lang.kernel_impl.Kernel, "compiled_kernels"
 else:
     Kernel, _TRANSLATED = importlib.import_module("quadrants.lang.kernel").Kernel, "materialized_kernels"
-_spent = 0.0
+_spent = np.zeros(2)
 _timing = False
 _unlaunched: set[Any] = set()
 
 
-def compile_seconds() -> float:
-    """Return the seconds that this process has spent so far on translating, compiling and first launching kernels."""
+def clocks() -> np.ndarray:
+    """Return the seconds (2,) of the clock, and of processor time of this process, each from an origin of its own."""
+    return np.array([time.perf_counter(), time.process_time()])
+
+
+def compile_seconds() -> np.ndarray:
+    """Return the ``clocks`` that have passed in translating, compiling and first launching kernels so far."""
     return _spent
 
 
@@ -129,12 +136,12 @@ def _timed(method: Callable[..., Any]) -> Callable[..., Any]:
         global _spent, _timing
         if _timing:
             return method(*args, **kwargs)
-        began, _timing = time.perf_counter(), True
+        began, _timing = clocks(), True
         try:
             return method(*args, **kwargs)
         finally:
             _timing = False
-            _spent += time.perf_counter() - began
+            _spent = _spent + clocks() - began
 
     return timed
 

@@ -18,7 +18,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.region import Region
 from tisph.geometry.shape import POINTS, volume_of_revolution
-from tisph.measures.fits import max_void_radius, min_distance, section_weights, with_walls
+from tisph.measures.fits import max_void_radius, min_distance, section_mean
 from tisph.scenes._initial import incommensurate_periods
 from tisph.scenes._scene import BodyScene, bodies_in
 from tisph.scenes._views import Line as ProfileLine
@@ -204,8 +204,7 @@ class AxisymmetricScene(BodyScene):
 
     def mean_velocity(self, snapshot: Snapshot) -> float:
         """Return the mean velocity along the axis over a cross-section."""
-        positions, velocity = with_walls(self, snapshot)
-        return float(section_weights(self.seen(snapshot), positions, snapshot.t) @ velocity[:, 0])
+        return section_mean(self, snapshot)
 
     def spread(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return least distance of particles and largest void, in spacings, and the divergence.

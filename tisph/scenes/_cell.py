@@ -21,7 +21,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
 from tisph.measures import resolution
-from tisph.measures.fits import cell_mean
+from tisph.measures.fits import cell_mean, section_mean
 from tisph.scenes._initial import still_problem
 from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics, velocity_profile
@@ -341,9 +341,13 @@ class Cell(BodyScene):
         return self.contact_distance, STIFFNESS * pressure
 
     def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
-        """See ``Scene.narrowest``; the gaps of free bodies at times after the start need a ``seen`` scene."""
-        known = self.gaps_stay or self.has_free_bodies
-        return self._smallest_radius, self._first_gap if known else self._gap(t, FEW)
+        """See ``Scene.narrowest``; the gaps of free bodies at times after the start need a ``seen`` scene.
+
+        Gaps that change count where they may be too narrow for the spacing.
+        """
+        known = self.gaps_stay or self.has_free_bodies or t == self.start_time
+        enough = resolution.LEAST_GAP * self.spacing
+        return self._smallest_radius, self._first_gap if known else self._gap(t, FEW, enough)
 
     @cached_property
     def _smallest_radius(self) -> tuple[float, str]:
@@ -360,8 +364,8 @@ class Cell(BodyScene):
     def _first_gap(self) -> tuple[float, str]:
         return self._gap(self.start_time, POINTS)
 
-    def _gap(self, t: float, points: int) -> tuple[float, str]:
-        gap, pair = smallest_gap(self.solids, t, points)
+    def _gap(self, t: float, points: int, below: float = math.inf) -> tuple[float, str]:
+        gap, pair = smallest_gap(self.solids, t, points, below)
         if pair is None:
             return math.inf, ""
         one, other = map(self._named, pair)
@@ -410,6 +414,35 @@ class Cell(BodyScene):
             "mean_velocity": (superficial * self.area - solid) / self.region.area,
             "flow_rate": superficial * self.size[1],
         }
+
+    def open_section(self, t: float) -> float | None:
+        """Return the middle of the longest part of the cell along x without bodies at time ``t``; None without one.
+
+        None, too, where the flow rate may vary along x, or the height: without a period, and between walls that are no
+        planes.
+        """
+        if not self.periodic[0] or any(not isinstance(body.shape, Line) for body in self.bodies[self.count :]):
+            return None
+        bodies, length = self.bodies[: self.count], self.size[0]
+        if not bodies:
+            return 0.0
+        radii = np.array([body.bounding_radius for body in bodies])
+        first = (np.array([body.at(t).centre[0] for body in bodies]) - radii) % length
+        order = np.argsort(first)
+        first, last = first[order], np.maximum.accumulate((first + 2.0 * radii)[order])
+        last = np.maximum(last, last[-1] - length)  # bodies across the end of the cell
+        gaps = np.append(first[1:], first[0] + length) - last
+        longest = int(np.argmax(gaps))
+        return float(last[longest] + 0.5 * gaps[longest]) if gaps[longest] > 0.0 else None
+
+    def flow_velocity(self, snapshot: Snapshot) -> float:
+        """Return the superficial velocity for the history: by the flow rate through ``open_section``, if there is one.
+
+        It costs less than the mean over the cell.
+        """
+        if self.seen(snapshot).open_section(snapshot.t) is None:
+            return float(cell_mean(self, snapshot)[0])
+        return section_mean(self, snapshot)
 
     # Free bodies ------------------------------------------------------------------------------------------------------
 
@@ -545,7 +578,7 @@ class Cell(BodyScene):
         def measure(snapshot: Snapshot) -> np.ndarray:
             found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.mean_stresses(snapshot)}
             values = [np.nan if found[column] is None else found[column] for column in columns]
-            return np.array([*values, self.velocities(snapshot)[VELOCITY]])
+            return np.array([*values, self.flow_velocity(snapshot)])
 
         return TimeSeries(
             content=f"{'places and velocities of bodies, ' if free else ''}forces and torques of the fluid on bodies, "

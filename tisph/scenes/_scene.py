@@ -441,7 +441,7 @@ def bodies_in(snapshot: Snapshot) -> Bodies:
 
 def farthest(shape: Any) -> float:
     """Return the largest distance of points of a ``shape`` from the centre of its body; 0 for a line."""
-    return float(np.linalg.norm(shape.boundary_points(shape.length / 1000).point, axis=1).max()) if shape.area else 0.0
+    return shape.reach if shape.area else 0.0
 
 
 def largest_speed(body: Body) -> float:

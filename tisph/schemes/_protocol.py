@@ -95,13 +95,10 @@ class Scheme(Protocol):
 class ProbedScheme(Scheme, Protocol):
     """A scheme for plane channels, whose history asks for the particles around its probes and not for snapshots."""
 
-    def around(
-        self, times: Sequence[float], x: np.ndarray, half_width: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles around places ``x`` (times,) at ``times`` of the last step, some of ``output_times``.
+    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return x, y and velocity along x of the particles within ``half_width`` of the place ``x``, arrays (near,).
 
-        Four arrays of one length: index of the time, x, y and velocity along x of every particle that is within
-        ``half_width`` along x of a place.
+        They are those at the end of the last step. Distances are to the nearest periodic copy, which is returned.
         """
 
 

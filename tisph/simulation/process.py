@@ -15,6 +15,8 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+import numpy as np
+
 from tisph import runtime
 from tisph.errors import TisphError, ending_signals
 
@@ -145,22 +147,22 @@ def logging_to(path: Path, append: bool) -> Iterator[None]:
 
 
 class Costs:
-    """The ``seconds`` of a run by kind, and the clock time at which it ``began``.
+    """The ``seconds`` (2,) of a run by kind, of the clock and of processor time; it ``began`` at a time of the clock.
 
     Kinds are imports, compiling kernels, the loop over the steps, and output.
     """
 
     def __init__(self) -> None:
         self.began = time.perf_counter()
-        self.seconds = {"import": 0.0, "compile": 0.0, "loop": 0.0, "output": 0.0}
+        self.seconds = {kind: np.zeros(2) for kind in ("import", "compile", "loop", "output")}
 
     @contextmanager
     def timed(self, kind: str) -> Iterator[None]:
         """Add the seconds of the block to ``kind``, and the seconds of compiling kernels to that kind."""
-        began, compiled = time.perf_counter(), runtime.compile_seconds()
+        began, compiled = runtime.clocks(), runtime.compile_seconds()
         try:
             yield
         finally:
             compiling = runtime.compile_seconds() - compiled  # a kernel is compiled at its first launch, anywhere
             self.seconds["compile"] += compiling
-            self.seconds[kind] += time.perf_counter() - began - compiling
+            self.seconds[kind] += runtime.clocks() - began - compiling

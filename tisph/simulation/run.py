@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from tisph import version
 from tisph.config import Config
 from tisph.errors import TisphError
@@ -132,7 +134,7 @@ def run(
             drawing_process.shared()  # it starts while this process compiles
         interrupts = Interrupts()
         with logging_to(folder.log, append=resume), interrupts.counted():
-            imported = time.perf_counter() - version.PROCESS_START
+            imported = np.array([time.perf_counter() - version.PROCESS_START, time.process_time()])
             simulation = Simulation.restore(folder.checkpoint, config) if resume else Simulation(config)
             simulation.costs.began, simulation.costs.seconds["import"] = version.PROCESS_START, imported
             recording = Recording(simulation, folder, pictures=pictures, video=video, interrupts=interrupts)

@@ -53,9 +53,6 @@ RESOLVED = 2.0
 VOLUME_SMOOTHING = 0.5
 """Share of the difference between a particle's volume and the mean around it that a step removes."""
 
-TOGETHER = 2**20
-"""Positions of particles at various times that ``Particles.around`` holds at once."""
-
 
 class ChannelScheme(ControlledScheme):
     """Particles in a channel, advanced step by step; see ``_protocol.Scheme``.
@@ -179,9 +176,14 @@ class ChannelScheme(ControlledScheme):
             **dict(zip(STRESSES, stresses, strict=False)),
         )
 
-    def around(self, times: Sequence[float], x: np.ndarray, half_width: float) -> Any:
-        """Return the particles around ``x`` (times,) at ``times`` of the last step; see ``Particles.around``."""
-        return self.particles.around(times, x, half_width)
+    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the particles within ``half_width`` of ``x`` at the end of the last step; see ``_protocol``."""
+        fluid, length = self.particles.fluid, self.channel.length
+        position, velocity = (view(field)[fluid] for field in (self.particles.position, self.particles.velocity))
+        apart = position[:, 0] - x
+        apart -= length * np.round(apart / length)
+        near = np.flatnonzero(np.abs(apart) < half_width)
+        return x + apart[near], position[near, 1].astype(float), velocity[near].astype(float)
 
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``, see ``momentum_terms``."""
@@ -387,31 +389,10 @@ class Particles:
         """Return position (fluid, 2), velocity, ``log_volume`` (fluid,) and state at a ``time`` of the last step."""
         start, end, start_rate, end_rate, position, log_volume = self.last_step()
         position, theta = position.copy(), (time - self.began) / self.dt
-        position[:, 0] += self.displacement(theta, start, end)
+        position[:, 0] += self.dt * (theta * start + 0.5 * theta**2 * (end - start))  # velocities linear in time
         velocity = hermite(theta, self.dt, start, end, start_rate, end_rate)
         states = self.start_state, self.state, self.start_state_rate, self.end_state_rate
         return position, velocity, log_volume, hermite(theta, self.dt, *states)
-
-    def around(self, times: Sequence[float], x: np.ndarray, half_width: float) -> Any:
-        """Return the particles within ``half_width`` of ``x`` (times,) along the channel at each of the ``times``.
-
-        Flat arrays: index of the time (ascending), and x, y and velocity along the channel of a particle.
-        """
-        start, end, start_rate, end_rate, position, _ = self.last_step()
-        thetas = (np.asarray(times) - self.began)[:, None] / self.dt
-        found = []
-        for some in np.split(np.arange(len(times)), range(0, len(times), max(1, TOGETHER // position.shape[0]))[1:]):
-            apart = position[:, 0] + self.displacement(thetas[some], start, end) - x[some, None]
-            apart -= self.period * np.round(apart / self.period)
-            when, particle = np.nonzero(np.abs(apart) < half_width)
-            theta, when = thetas[some[when], 0], some[when]
-            u = hermite(theta, self.dt, *(values[particle] for values in (start, end, start_rate, end_rate)))
-            found.append((when, x[when] + apart[np.searchsorted(some, when), particle], position[particle, 1], u))
-        return [np.concatenate(column) for column in zip(*found, strict=True)]
-
-    def displacement(self, theta: Any, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """Return the way along the channel up to the part ``theta`` of the last step, of velocities linear in time."""
-        return self.dt * (theta * start + 0.5 * theta**2 * (end - start))
 
     def last_step(self) -> list[np.ndarray]:
         """Return velocities and rates of the last step, first positions and ``log_volume``, read once for a step."""

@@ -56,12 +56,15 @@ def scatter(times: np.ndarray, forces: np.ndarray, turning: np.ndarray) -> tuple
     """
     if len(times) <= len(CUBIC_NEIGHBOURS):
         return None
-    middles, squares = np.arange(2, len(times) - 2), np.zeros(forces.shape[1])
-    for middle in middles:
-        others = times[[middle + offset for offset in CUBIC_NEIGHBOURS]] - times[middle]
-        weights = np.array([math.prod(b / (b - a) for b in others if b != a) for a in others])
-        cubic = np.einsum("s,sbi->bi", weights, forces[[middle + offset for offset in CUBIC_NEIGHBOURS]])
-        squares = squares + ((forces[middle] - cubic) ** 2).sum(axis=1) / (1.0 + weights @ weights)
+    middles = np.arange(2, len(times) - 2)
+    around = middles[:, None] + CUBIC_NEIGHBOURS
+    others = times[around] - times[middles, None]
+    apart = others[:, None] - others[:, :, None]
+    np.einsum("maa->ma", apart)[...] = others  # a factor b / (b - a) of 1 for b = a
+    weights = np.prod(others[:, None] / apart, axis=2)
+    cubic = np.einsum("ms,msbi->mbi", weights, forces[around])
+    variance = 1.0 + np.square(weights).sum(axis=1)
+    squares = (((forces[middles] - cubic) ** 2).sum(axis=2) / variance[:, None]).sum(axis=0)
     squared_loads = (forces[middles] ** 2).sum(axis=2), turning[middles] ** 2
     size = np.sqrt(max(each.mean(axis=0).max() for each in squared_loads))
     worst = int(np.argmax(squares))

@@ -329,25 +329,15 @@ class ExplicitScheme(Kept):
         )
         return self.boundaries.described(snapshot)
 
-    def around(
-        self, times: Sequence[float], x: np.ndarray, half_width: float
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles within ``half_width`` of ``x`` (times,) at the end of the last step; see ``_protocol``.
-
-        Distances are to the nearest periodic copy. The particles are not sorted, and nothing is computed for the
-        others: a history calls this hundreds of times in a run.
-        """
+    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the particles within ``half_width`` of ``x`` at the end of the last step; see ``_protocol``."""
         fluid, length = self.particles.fluid, self.scene.extent[0]
         fields = self.particles.position, self.particles.velocity
         position, velocity = (view(field)[self.now, :fluid] for field in fields)
-        found = []
-        for number, centre in enumerate(x):
-            apart = position[:, 0] - centre
-            apart -= length * np.round(apart / length)
-            near = np.flatnonzero(np.abs(apart) < half_width)
-            found.append((np.full(len(near), number), centre + apart[near], position[near, 1], velocity[near, 0]))
-        index, near_x, near_y, near_u = (np.concatenate(column) for column in zip(*found, strict=True))
-        return index, near_x, near_y, near_u
+        apart = position[:, 0] - x
+        apart -= length * np.round(apart / length)
+        near = np.flatnonzero(np.abs(apart) < half_width)
+        return x + apart[near], position[near, 1], velocity[near, 0]
 
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``."""

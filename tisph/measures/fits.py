@@ -247,11 +247,11 @@ BAND = 8.0
 """Spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
 
 
-def section_mean(scene: Any, snapshot: Snapshot) -> float:
+def section_mean(scene: Any, snapshot: Snapshot, degree: int = 4) -> float:
     """Return the mean of u over the cross-section ``scene.open_section``, see ``section_weights``.
 
     In an incompressible flow it is the mean over all of a box that is periodic in x, bodies included, at a tenth of the
-    cost of ``cell_mean``. The two differ by the errors of their nodes, up to 3e-4 of the velocity.
+    cost of ``cell_mean``. The two differ by the errors of their nodes, up to 3e-4 of the velocity. ``degree``: 2 or 4.
     """
     scene, t = scene.seen(snapshot), snapshot.t
     positions, velocity = with_walls(scene, snapshot)
@@ -260,7 +260,7 @@ def section_mean(scene: Any, snapshot: Snapshot) -> float:
     nodes, weights = _section(scene, t)
     near = np.abs(nearest_image(positions[:, 0] - nodes[0, 0], scene.extent[0])) <= BAND * scene.spacing
     tree, _ = periodic_tree(scene, positions[near])
-    return float(weights @ local_fits(tree, nodes, velocity[near, :1], 4)[0][:, 0, 0])
+    return float(weights @ local_fits(tree, nodes, velocity[near, :1], degree)[0][:, 0, 0])
 
 
 def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:

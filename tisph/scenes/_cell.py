@@ -442,7 +442,7 @@ class Cell(BodyScene):
         """
         if self.seen(snapshot).open_section(snapshot.t) is None:
             return float(cell_mean(self, snapshot)[0])
-        return section_mean(self, snapshot)
+        return section_mean(self, snapshot, degree=2)
 
     # Free bodies ------------------------------------------------------------------------------------------------------
 

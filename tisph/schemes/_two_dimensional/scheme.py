@@ -360,15 +360,16 @@ class SplittingScheme(ControlledScheme):
             fluid = self.problem.n_fluid
             created = np.argsort(active(self.levels.number)[:fluid])
             stored = [self.levels.fields, self.levels.position, *self.extra_stress.fields]
-            self.output_cache = self.time, created, *(active(field)[:fluid][created].astype(float) for field in stored)
+            values = [active(field)[:fluid][created].astype(float, copy=False) for field in stored]
+            self.output_cache = self.time, created, *values
         problem, boundary, offset = self.problem, self.boundary, self.time - time
         _, created, fields, position, *stress_levels = self.output_cache
         dts = self.dts or [1.0]
         weights = TimeWeights([0.0, *dts], dts[0])
         first, components = self.levels.first_pressure, self.levels.components
         velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
-        axis = position[:, 1] + problem.origin[1]
-        velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(VELOCITIES)], axis=1)
+        axis, count = position[:, 1] + problem.origin[1], VELOCITIES if offset else 1
+        velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(count)], axis=1)
         pressure, velocity = fields[:, first], velocities[:, 0]
         if offset:
             velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)

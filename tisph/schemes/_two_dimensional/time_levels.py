@@ -44,6 +44,8 @@ class TimeWeights:
 
         For offsets (n,) weights are (count, n).
         """
+        if isinstance(offset, float) and offset == self.offsets[0] == 0.0:
+            return np.eye(1, count)[0]  # the newest value itself
         return self._weights(count, lambda power: (-offset / self.unit) ** power)
 
     def extrapolation(self, count: int) -> np.ndarray:

@@ -138,6 +138,20 @@ def claimed(folder: Path, *, overwrite: bool, resume: bool) -> Iterator[None]:
         yield
 
 
+@contextmanager
+def extended(folder: Path) -> Iterator[None]:
+    """Lock the ``folder`` of a run to add files to it; ConfigError while its run, or another command, writes there."""
+    from filelock import Timeout
+
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(held(folder))
+        except Timeout:
+            text = "its run is still going on, or another command is writing there; wait until it has ended"
+            raise ConfigError(f"{folder}: is in use: {text}") from None
+        yield
+
+
 DAMAGE = (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError)
 """Errors that reading a damaged file raises: h5py has no error of its own."""
 

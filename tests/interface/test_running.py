@@ -15,9 +15,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tisph
-from tisph import cli
+from tisph import cli, simulation
 from tisph.errors import ConfigError, DivergedError
 from tisph.folder import LOCK, held
+from tisph.results.export import export
 
 pytestmark = pytest.mark.taichi
 
@@ -178,6 +179,16 @@ def test_nothing_is_printed_and_folders_are_used_as_on_the_command_line(finished
         tisph.run(CASE, finished.folder, overwrite=True)
     assert finished.samples[-1]["u"].shape == (144,)
     assert capfd.readouterr() == ("", "")
+
+
+def test_nothing_is_drawn_or_exported_into_the_folder_of_a_run_that_goes_on(finished, tmp_path):
+    before = sorted(path.name for path in finished.folder.iterdir())
+    with held(finished.folder):
+        for add in (lambda: simulation.render(finished.folder), lambda: export(finished, "csv")):
+            with pytest.raises(ConfigError, match="is in use: its run is still going on"):
+                add()
+        assert export(finished, "csv", tmp_path / "samples.csv").is_file()  # elsewhere is no harm
+    assert sorted(path.name for path in finished.folder.iterdir()) == before
 
 
 def test_a_run_that_diverges_is_an_exception_and_can_be_opened(tmp_path, capfd):

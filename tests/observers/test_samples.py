@@ -170,7 +170,8 @@ def test_numbers_that_are_none_leave_their_cells_empty(tmp_path, run):
     channel, _ = run()
     path = tmp_path / "history.csv"
     history = History(path, channel, channel.time_series(2), 20.0)
-    history.record([0.0, 10.0], [[np.nan, np.inf], [0.25, -0.5]])
+    for t, values in ((0.0, [np.nan, np.inf]), (10.0, [0.25, -0.5])):
+        history.record(t, values, channel)
     history.close()
     assert history_lines(path)[1][1].startswith("0.0,,inf,0,")
     times, values = read_history(path)

@@ -2,6 +2,7 @@
 
 import json
 import math
+from contextlib import nullcontext
 from csv import DictWriter
 from pathlib import Path
 from typing import Annotated
@@ -10,7 +11,7 @@ import typer
 
 from tisph.cli.terminal import Overrides, out_folder
 from tisph.errors import ConfigError
-from tisph.folder import replaced
+from tisph.folder import extended, replaced
 
 
 def compare(
@@ -118,13 +119,12 @@ def report(
       tisph report runs/couette
       tisph report runs/couette runs/fine --out couette.html
     """
-    from tisph.folder import replaced
     from tisph.results import open_run
     from tisph.results.page import report as page
 
     text = page([open_run(folder) for folder in run_dirs])
     path = out or Path(run_dirs[0] if len(run_dirs) == 1 else ".") / "report.html"
-    with replaced(path) as new:
+    with extended(path.parent) if path.parent in run_dirs else nullcontext(), replaced(path) as new:
         new.write_text(text, encoding="utf-8")
     print(path)
 
@@ -199,9 +199,10 @@ def rheometry(
         say(f"{name}: {reading.title}", *reading.lines)
         finite = {key: float(value) if math.isfinite(value) else None for key, value in reading.numbers.items()}
         rows.append({"run": str(run.folder), "title": reading.title, **finite})
-        with replaced(run.folder / NUMBERS) as new:
-            new.write_text(json.dumps(rows[-1], indent=1) + "\n")
-        plot_reading(run.folder / PICTURE, name, reading, run.config.units)
+        with extended(run.folder):
+            with replaced(run.folder / NUMBERS) as new:
+                new.write_text(json.dumps(rows[-1], indent=1) + "\n")
+            plot_reading(run.folder / PICTURE, name, reading, run.config.units)
         say(f"  picture {run.folder / PICTURE}")
     oscillations = [reading for reading in readings if reading.title == "oscillation"]
     sheared = [reading for reading in readings if reading.title == "start-up"]

@@ -70,14 +70,18 @@ class History(StateObserver):
             self.observe(step.end())
         else:
             values = self.probes.values(*step.around(self.probes.centre, self.probes.half_width))
-            self._append(self._line(step.time, values, self._resolved(self.scene, step.time)).encode())
+            self.record(step.time, values, self.scene)
 
     def observe(self, snapshot: Snapshot) -> None:
         """Append one line."""
         values = self.time_series.measure(snapshot)
         if self.extra_series:
             values = np.append(values, self.extra_series.measure(snapshot))
-        self._append(self._line(snapshot.t, values, self._resolved(self.scene.seen(snapshot), snapshot.t)).encode())
+        self.record(snapshot.t, values, self.scene.seen(snapshot))
+
+    def record(self, t: float, values: np.ndarray, scene: Scene) -> None:
+        """Append a line of the ``values`` (numbers,) at time ``t``, with bodies where they are in ``scene``."""
+        self._append(self._line(t, values, self._resolved(scene, t)).encode())
 
     def reading(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """Return places and followed numbers of ``snapshot``, arrays (numbers,), and times and numbers so far."""

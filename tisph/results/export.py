@@ -9,13 +9,14 @@
 
 import json
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tisph.errors import ConfigError
-from tisph.folder import hdf5_file, replaced
+from tisph.folder import extended, hdf5_file, replaced
 from tisph.observers.samples import Description
 from tisph.observers.vtk import append, append_bodies, beside, fields, has_outlines, places
 
@@ -99,7 +100,8 @@ def export(run: "Results", form: str, path: Path | None = None, *, frames: bool 
 
     It is ``path``, or ``samples.FORM`` in the run's folder; with ``frames``, of vtkhdf only, the frames of the movie
     and ``frames.vtkhdf``. Bodies of vtkhdf are in ``..._bodies.vtkhdf`` beside it. ConfigError where there is no sample
-    or frame, TisphError where the file cannot be written; an existing one stays unchanged.
+    or frame, or the run still goes on and the file were in its folder; TisphError where the file cannot be written. An
+    existing one stays unchanged.
     """
     if form not in FORMATS:
         raise ConfigError(f"--to {form}: must be one of {', '.join(FORMATS)}")
@@ -109,9 +111,10 @@ def export(run: "Results", form: str, path: Path | None = None, *, frames: bool 
     if not (run._files.frames.is_file() if frames else len(run.samples)):
         raise ConfigError(f"{run.folder}: the run has no {what[:-1]} to export")
     path = path or run.folder / f"{what}.{form}"
-    with replaced(path) as new:
-        FORMATS[form](new, run, *([True] if frames else []))
-    if form == "vtkhdf" and has_outlines(run._scene):
-        with replaced(beside(path)) as new:
-            write_vtkhdf(new, run, frames, append_bodies)
+    with extended(run.folder) if path.parent.absolute() == run.folder.absolute() else nullcontext():
+        with replaced(path) as new:
+            FORMATS[form](new, run, *([True] if frames else []))
+        if form == "vtkhdf" and has_outlines(run._scene):
+            with replaced(beside(path)) as new:
+                write_vtkhdf(new, run, frames, append_bodies)
     return path

@@ -28,7 +28,7 @@ from tisph import config, runtime, scenes
 from tisph.config.checks import colours
 from tisph.config.schema import Video
 from tisph.errors import ConfigError, DivergedError, TisphError
-from tisph.folder import Folder, claimed, hdf5_file, replaced
+from tisph.folder import Folder, claimed, extended, hdf5_file, replaced
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import steady_since
 from tisph.observers.history import History, Trajectories, read_history
@@ -361,13 +361,19 @@ def render(run_dir: str | PathLike[str], overrides: Sequence[str] = (), gif: boo
     """Draw the pictures for which ``run_dir`` has files, and return their paths.
 
     ``overrides`` are texts ``output.video.KEY=VALUE``, for another movie of the same frames; with ``gif`` it is also
-    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, or its files
-    cannot be read or lack a wanted field; TisphError where the pictures cannot be written.
+    written as GIF, and its last frame as JPEG. Raises ConfigError where ``run_dir`` is no results folder, its run still
+    goes on, or its files cannot be read or lack a wanted field; TisphError where the pictures cannot be written.
     """
     folder = Folder(run_dir)
     if not any(path.exists() for path in (folder.samples, folder.history, folder.frames)):
         raise ConfigError(f"{folder.root}: has nothing to draw: neither samples.h5 nor history.csv nor frames.h5")
     _require_movie_keys(folder, overrides)
+    with extended(folder.root):
+        return _rendered(folder, overrides, gif)
+
+
+def _rendered(folder: Folder, overrides: Sequence[str], gif: bool) -> list[Path]:
+    """Draw the pictures of ``render``, and return their paths."""
     settings: Any = config.load(folder.config, overrides)
     scene = scenes.of(settings)
     if overrides:

@@ -134,22 +134,6 @@ def test_the_flow_is_the_same_seen_from_the_other_wall(make):
     assert np.abs(one.y - two.y).max() < SOLVED
 
 
-def test_particles_around_a_place_are_those_of_a_snapshot_there(make):
-    scheme = make(jitter=0.2)
-    for _ in range(3):
-        scheme.advance()
-    length, snapshot = scheme.channel.length, scheme.snapshot()
-    for x in (0.3, 0.6, 0.0):
-        place, y, u = scheme.around(x, 0.1)
-        away = (snapshot.x - x + length / 2) % length - length / 2
-        near = np.abs(away) < 0.1
-        expected, found = np.argsort(snapshot.y[near]), np.argsort(y)
-        # the same sums of the same numbers, in another order
-        assert place[found] - x == pytest.approx(away[near][expected], abs=1e-12)
-        assert y[found] == pytest.approx(snapshot.y[near][expected], abs=1e-12)
-        assert u[found] == pytest.approx(snapshot.u[near][expected], abs=1e-12)
-
-
 # --- restart
 
 

@@ -38,8 +38,7 @@ PROBE_RADIUS = 3.0
 class Probes:
     """Fixed points at which the velocity along x is interpolated from the particles around them.
 
-    ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x. Only particles within ``half_width``
-    of ``centre`` along x are used.
+    ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x.
     """
 
     def __init__(self, channel: Any, x: np.ndarray, y: np.ndarray):
@@ -47,21 +46,15 @@ class Probes:
         self.y = np.asarray(y, dtype=float)
         self._length = channel.length
         self._radius = PROBE_RADIUS * channel.spacing
-        self.centre = 0.5 * (self.x.min() + self.x.max())
-        self.half_width = 0.5 * np.ptp(self.x) + self._radius
+        self._centre = 0.5 * (self.x.min() + self.x.max())
+        self._half_width = 0.5 * np.ptp(self.x) + self._radius
 
     def velocity(self, snapshot: Snapshot) -> np.ndarray:
         """Return the velocity along x at the points (points,); NaN where no particle is within the radius."""
-        near = np.abs(nearest_image(snapshot.x - self.centre, self._length)) < self.half_width
+        near = np.abs(nearest_image(snapshot.x - self._centre, self._length)) < self._half_width
         near &= snapshot.y > self.y.min() - self._radius
         near &= snapshot.y < self.y.max() + self._radius
-        return self.values(snapshot.x[near], snapshot.y[near], snapshot.u[near])
-
-    def values(self, x: np.ndarray, y: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return the velocities along x at the points (points,).
-
-        ``x``, ``y`` and ``u`` (near,) are the particles within at least ``half_width`` of ``centre``.
-        """
+        x, y, u = snapshot.x[near], snapshot.y[near], snapshot.u[near]
         particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
         along = nearest_image(x[particle] - self.x[point], self._length) / self._radius
         across = (y[particle] - self.y[point]) / self._radius

@@ -50,8 +50,6 @@ class History(StateObserver):
         self.time_series, self.extra_series = series, scene.extra_series
         self.more: list[str] = [] if self.extra_series is None else list(self.extra_series.columns)
         self.schedule = StepEnds(even_times(scene.start_time, end, RECORDS), resumed_at)
-        self.probes = None if self.extra_series else series.probes
-        """Interpolation from the particles around some places; None where a line needs the whole state."""
         kept: list[tuple[float, np.ndarray, bool]] = []
         if resumed_at is not None:
             times, values = read_history(path, len(self.more))
@@ -65,12 +63,8 @@ class History(StateObserver):
             new.write_text(f"{self.header}\n" + "".join(self._line(*record) for record in kept), encoding="utf-8")
 
     def tell(self, step: LastStep, times: Sequence[float]) -> None:
-        """Append a line: from the particles around the probes, where they suffice, else from the whole state."""
-        if self.probes is None or step.steps == 0:
-            self.observe(step.end())
-        else:
-            values = self.probes.values(*step.around(self.probes.centre, self.probes.half_width))
-            self.record(step.time, values, self.scene)
+        """Append a line of the end of the step."""
+        self.observe(step.end())
 
     def observe(self, snapshot: Snapshot) -> None:
         """Append one line."""

@@ -11,8 +11,6 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from tisph.errors import ConfigError
 from tisph.snapshot import Snapshot
 
@@ -36,12 +34,9 @@ class LastStep(Protocol):
         """Let the guard check the latest state, once; DivergedError where it is not sound."""
 
     def end(self) -> Snapshot:
-        """Return the state at the end of the step, which the guard checks once in ``guard.INTERVAL`` steps only."""
+        """Return the state at the end of the step; DivergedError for numbers that are not finite.
 
-    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return x, y and velocity along x of the particles within ``half_width`` of the place ``x``, arrays (near,).
-
-        They are those at the end of the step, and cost far less than a whole state.
+        The guard checks it in full only once in ``guard.INTERVAL`` steps.
         """
 
 

@@ -435,15 +435,6 @@ class Cell(BodyScene):
         longest = int(np.argmax(gaps))
         return float(last[longest] + 0.5 * gaps[longest]) if gaps[longest] > 0.0 else None
 
-    def flow_velocity(self, snapshot: Snapshot) -> float:
-        """Return the superficial velocity for the history: by the flow rate through ``open_section``, if there is one.
-
-        It costs less than the mean over the cell.
-        """
-        if self.seen(snapshot).open_section(snapshot.t) is None:
-            return float(cell_mean(self, snapshot)[0])
-        return section_mean(self, snapshot, degree=2)
-
     # Free bodies ------------------------------------------------------------------------------------------------------
 
     @cached_property
@@ -578,7 +569,9 @@ class Cell(BodyScene):
         def measure(snapshot: Snapshot) -> np.ndarray:
             found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.mean_stresses(snapshot)}
             values = [np.nan if found[column] is None else found[column] for column in columns]
-            return np.array([*values, self.flow_velocity(snapshot)])
+            if self.seen(snapshot).open_section(snapshot.t) is None:
+                return np.array([*values, cell_mean(self, snapshot)[0]])
+            return np.array([*values, section_mean(self, snapshot, degree=2)])  # it costs less
 
         return TimeSeries(
             content=f"{'places and velocities of bodies, ' if free else ''}forces and torques of the fluid on bodies, "

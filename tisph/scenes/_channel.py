@@ -503,7 +503,7 @@ class Channel(Scene):
     def time_series(self, count: int, x: Any = "centre") -> TimeSeries:
         """Return the velocities at ``count`` heights on a vertical line; arguments as ``probe_positions``."""
         places = self.probe_positions(count, x)
-        heights, probes = places[1], Probes(self, *places)
+        heights = places[1]
         return TimeSeries(
             content="velocities u along x over time t at probes at heights y",
             name="u",
@@ -512,11 +512,10 @@ class Channel(Scene):
             columns=[f"u(y={y:.6g})" for y in heights],
             labels=[("y/H", y / self.gap) for y in heights],
             exact_columns=[f"u_exact(y={y:.6g})" for y in heights],
-            measure=probes.velocity,
+            measure=Probes(self, *places).velocity,
             exact=lambda times: self.exact_velocity(heights, times[:, None]),
             places=heights,
             angular_frequency=max(wall.angular_frequency for _, wall in self.walls),
-            probes=probes,
         )
 
     def movie_series(self) -> TimeSeries:

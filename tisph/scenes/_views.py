@@ -135,8 +135,7 @@ class TimeSeries:
     ``measure`` is a function of a snapshot that returns the numbers (numbers,); ``content`` describes them in words.
     ``columns`` and ``exact_columns`` are the names of numbers and references in ``history.csv``; ``exact`` returns the
     references (records, numbers) at times (records,), or None. ``places``: coordinates at which the numbers are
-    measured, if any. ``probes`` (``measures/channel.py``): given where all numbers are velocities at places; a scheme
-    then needs to supply only the particles near them. ``angular_frequency``: that at which the numbers oscillate
+    measured, if any. ``angular_frequency``: that at which the numbers oscillate
     fastest, or 0. ``drifting``: columns that go on changing in a steady state.
 
     For the plot, ``labels`` are pairs for the legend: a name, and a value or None. ``name`` and ``unit`` are for the
@@ -156,7 +155,6 @@ class TimeSeries:
     exact: Callable = lambda times: None
     places: Sequence[float] | np.ndarray = ()
     angular_frequency: float = 0.0
-    probes: Any = None
     sizes: Sequence[float] = ()
     panels: Sequence[tuple[str, str] | None] = ()
     levels: Sequence[float] = ()

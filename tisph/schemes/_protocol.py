@@ -92,16 +92,6 @@ class Scheme(Protocol):
         """Go on to other target times; return whether a run that had them from the start would have the same steps."""
 
 
-class ProbedScheme(Scheme, Protocol):
-    """A scheme for plane channels, whose history asks for the particles around its probes and not for snapshots."""
-
-    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return x, y and velocity along x of the particles within ``half_width`` of the place ``x``, arrays (near,).
-
-        They are those at the end of the last step. Distances are to the nearest periodic copy, which is returned.
-        """
-
-
 @dataclass(frozen=True)
 class SampleEstimate:
     """Estimates of one sample: its time ``t``, the number of ``steps`` up to it, errors as in the summary.

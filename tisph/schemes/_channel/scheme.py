@@ -176,15 +176,6 @@ class ChannelScheme(ControlledScheme):
             **dict(zip(STRESSES, stresses, strict=False)),
         )
 
-    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles within ``half_width`` of ``x`` at the end of the last step; see ``_protocol``."""
-        fluid, length = self.particles.fluid, self.channel.length
-        position, velocity = (view(field)[fluid] for field in (self.particles.position, self.particles.velocity))
-        apart = position[:, 0] - x
-        apart -= length * np.round(apart / length)
-        near = np.flatnonzero(np.abs(apart) < half_width)
-        return x + apart[near], position[near, 1].astype(float), velocity[near].astype(float)
-
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``, see ``momentum_terms``."""
         total = float(view(self.particles.velocity)[self.particles.fluid].sum(dtype=float))

@@ -329,16 +329,6 @@ class ExplicitScheme(Kept):
         )
         return self.boundaries.described(snapshot)
 
-    def around(self, x: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the particles within ``half_width`` of ``x`` at the end of the last step; see ``_protocol``."""
-        fluid, length = self.particles.fluid, self.scene.extent[0]
-        fields = self.particles.position, self.particles.velocity
-        position, velocity = (view(field)[self.now, :fluid] for field in fields)
-        apart = position[:, 0] - x
-        apart -= length * np.round(apart / length)
-        near = np.flatnonzero(np.abs(apart) < half_width)
-        return x + apart[near], position[near, 1], velocity[near, 0]
-
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``."""
         if self.body_force and self.scene.walls:  # the impulse of a given function is not known

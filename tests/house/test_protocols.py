@@ -68,7 +68,6 @@ def arguments(function):
 PROTOCOLS = [
     _scene.Scene,
     _protocol.Scheme,
-    _protocol.ProbedScheme,
     _protocol.SchemeEstimates,
     _protocol.Member,
     _protocol.SchemeMember,

@@ -196,7 +196,7 @@ def test_interrupted_trajectories_go_on_with_the_same_bytes(tmp_path, make, monk
             trajectories.observe(moved(scene, snapshot, t))
         trajectories.flush()
     again = Trajectories(paths[1], scene, 1.0, resumed_at=0.6, about=about)  # the last one came after the checkpoint
-    assert again.schedule.take(1.0) == [0.75, 1.0]
+    assert [again.schedule.take(t) for t in (0.75, 1.0)] == [[0.75], [1.0]]
     for t in (0.75, 1.0):
         again.observe(moved(scene, snapshot, t))
     again.close()

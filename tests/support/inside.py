@@ -32,7 +32,7 @@ PARTS = {
         "estimate_least_squares=least_squares off_layers profile_lost step_counts"
     ),
     "schemes._local_newton": "SMALL eliminate matrix",
-    "schemes._protocol": "ProbedScheme SampleEstimate Scheme",
+    "schemes._protocol": "SampleEstimate Scheme",
     "schemes._shifting": "SCATTER",
     "schemes._step_control": (
         "LARGEST_FACTOR LARGEST_MULTISTEP_FACTOR MOST_ATTEMPTS REJECTED SAFETY SHARE SMALLEST_FACTOR "

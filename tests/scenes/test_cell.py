@@ -15,7 +15,7 @@ from report_scene import Drawn, make_video
 from tisph import scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.measures.fits import cell_mean
+from tisph.measures.fits import cell_mean, section_mean
 from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
@@ -188,6 +188,19 @@ def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path)
     exact = np.maximum(field(x, y), 0.0).mean()
     snapshot = snapshot_of(scene, field, lambda x, y: 0 * x)
     assert cell_mean(scene, snapshot)[0] == pytest.approx(exact, rel=2e-3)
+
+
+def test_the_flow_rate_is_that_through_a_section_without_bodies(tmp_path):
+    # bodies from x = 0.65 to 1.15 and from 0.1 to 0.3; the mean of u over every section is 1, by continuity
+    bodies = "bodies=[{centre: [0.9, 0.3], radius: 0.25}, {centre: [0.2, 0.8], radius: 0.1}]"
+    scene = scene_of(loaded(tmp_path, LATTICE, bodies, "discretisation.particles_across=40"))
+    assert scene.open_section(0.0) == pytest.approx(0.475, rel=1e-12)
+    k = 2.0 * np.pi
+    u, v = (lambda x, y: 1.0 + np.sin(k * x) * np.cos(k * y)), (lambda x, y: -np.cos(k * x) * np.sin(k * y))
+    # errors of quadratic fits are of the order (k spacing)^3 / 6 = 6e-4 of the wave, and cancel in its mean
+    assert section_mean(scene, snapshot_of(scene, u, v), degree=2) == pytest.approx(1.0, abs=6e-4)
+    closed = "bodies=[{centre: [0.5, 0.3], radius: 0.25}, {centre: [0.0, 0.7], radius: 0.28}]"
+    assert scene_of(loaded(tmp_path, LATTICE, closed)).open_section(0.0) is None
 
 
 @pytest.mark.parametrize("periodic", [True, False])

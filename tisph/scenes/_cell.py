@@ -426,7 +426,7 @@ class Cell(BodyScene):
         bodies, length = self.bodies[: self.count], self.size[0]
         if not bodies:
             return 0.0
-        radii = np.array([body.bounding_radius for body in bodies])
+        radii = np.array([farthest(body.shape) for body in bodies])
         first = (np.array([body.at(t).centre[0] for body in bodies]) - radii) % length
         order = np.argsort(first)
         first, last = first[order], np.maximum.accumulate((first + 2.0 * radii)[order])

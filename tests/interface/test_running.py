@@ -181,7 +181,7 @@ def test_nothing_is_printed_and_folders_are_used_as_on_the_command_line(finished
     assert capfd.readouterr() == ("", "")
 
 
-def test_nothing_is_drawn_or_exported_into_the_folder_of_a_run_that_goes_on(finished, tmp_path):
+def test_nothing_is_drawn_into_the_folder_of_a_run_that_goes_on(finished, tmp_path):
     before = sorted(path.name for path in finished.folder.iterdir())
     with held(finished.folder):
         for add in (lambda: simulation.render(finished.folder), lambda: export(finished, "csv")):

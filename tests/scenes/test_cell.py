@@ -307,8 +307,10 @@ def test_the_layer_in_front_of_a_body_stays_thin(tmp_path):
 def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):
     rising = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.0, 0.2]}}]"
     scene = scene_of(loaded(tmp_path, CHANNEL, rising))
-    # from a hundred points on the circle and a parabola: the fourth power of their distance
-    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.5)] == pytest.approx([0.3, 0.2], rel=1e-6)
+    # from a hundred points on the circle and a parabola: the fourth power of their distance; at 0.9 the gap is less
+    # than three spacings, at 0.5 it is more, and not computed
+    assert [scene.narrowest(t)[1][0] for t in (0.0, 0.9)] == pytest.approx([0.3, 0.12], rel=1e-6)
+    assert scene.narrowest(0.5)[1][0] >= 0.2
 
 
 def test_divergent_velocities_are_not_resolved(tmp_path):

@@ -101,7 +101,7 @@ class ClosedCurve(Shape):
         return self.smallest_radius if self.fluid_side == "outside" else math.inf
 
     @cached_property
-    def reach(self) -> float:
+    def largest_distance(self) -> float:
         """Largest distance of points of the curve from the origin of the frame."""
         return float(np.linalg.norm(self.boundary_points(self.length / 1000).point, axis=1).max())
 

@@ -441,7 +441,7 @@ def bodies_in(snapshot: Snapshot) -> Bodies:
 
 def farthest(shape: Any) -> float:
     """Return the largest distance of points of a ``shape`` from the centre of its body; 0 for a line."""
-    return shape.reach if shape.area else 0.0
+    return shape.largest_distance if shape.area else 0.0
 
 
 def largest_speed(body: Body) -> float:

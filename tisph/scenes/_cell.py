@@ -569,7 +569,8 @@ class Cell(BodyScene):
         def measure(snapshot: Snapshot) -> np.ndarray:
             found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.mean_stresses(snapshot)}
             values = [np.nan if found[column] is None else found[column] for column in columns]
-            if self.seen(snapshot).open_section(snapshot.t) is None:
+            seen: Any = self.seen(snapshot)
+            if seen.open_section(snapshot.t) is None:
                 return np.array([*values, cell_mean(self, snapshot)[0]])
             return np.array([*values, section_mean(self, snapshot, degree=2)])  # it costs less
 

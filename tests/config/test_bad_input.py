@@ -273,6 +273,29 @@ def test_unknown_keys_of_other_programs_have_a_hint(message, key, hint):
     assert f"unknown key; {hint}" in message(GOOD, f"{key}=1")
 
 
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("walls.top.slip", "no wall slips"),
+        ("walls.top.type", "walls have no type"),
+        ("ends.left.max_velocity", "velocity is the mean over the inlet"),
+        ("ends.left.flow_rate", "velocity is the mean over the inlet: the flow rate over its width"),
+        ("ends.left.pressure", "no pressure is given at ends"),
+        ("fluid.viscosity", "dynamic_viscosity, or kinematic_viscosity = "),
+    ],
+)
+def test_unknown_keys_of_other_quantities_say_what_there_is(message, key, words):
+    ends = GOOD + "ends: {left: {type: inlet, velocity: 1.0}, right: {type: outlet}}\n"
+    found = message(ends, f"{key}=1")
+    assert f"unknown key; {words}" in found
+    assert "nearest" not in found
+
+
+@pytest.mark.parametrize("key", ["walls.top.max_velocity", "walls.top.end", "fluid.viscosity_kinematic_ratio"])
+def test_a_hint_is_no_key_of_another_meaning_or_place(message, key):
+    assert f"{key} = 1: unknown key; allowed: " in message(GOOD, f"{key}=1")
+
+
 def test_not_utf8(message):
     assert "case.yaml:2: is not UTF-8 text" in message(b"scene: channel\nname: \xff\xfe\n")
 

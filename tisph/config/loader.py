@@ -7,7 +7,7 @@ import json
 import re
 import tempfile
 import unicodedata
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import reduce
 from operator import getitem
@@ -46,8 +46,16 @@ TEXTS = {
 HINTS = {
     "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
     **dict.fromkeys(("inlet", "outlet", "ends"), "open ends are only for scene channel, in its section ends"),
+    "fluid.viscosity": "dynamic_viscosity, or kinematic_viscosity = dynamic_viscosity / density",
+    "slip": "no wall slips; one without friction, of a channel without bodies, has shear_stress: 0.0",
+    "walls.type": "walls have no type, and none slips: the fluid has their velocity",
+    "ends.max_velocity": "velocity is the mean over the inlet, 2/3 of the largest between plane walls",
+    "ends.flow_rate": "velocity is the mean over the inlet: the flow rate over its width",
+    "ends.pressure": "no pressure is given at ends: an inlet has a velocity, at an outlet no stress acts on the fluid",
+    "drive.pressure": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
+    "drive.flow_rate": "no flow rate is given: in slow flow it is proportional to drive.acceleration",
 }
-"""Unknown key -> the way to the same flow."""
+"""Unknown key, also as SECTION.KEY -> the way to the same flow, or the words that there is none."""
 
 
 def describe(error: ValidationError, data: Any, written: Callable[[KeyPath], int]) -> list[tuple[KeyPath, str]]:
@@ -111,10 +119,26 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
         field = field if isinstance(part, int) else model.model_fields[part]  # all items of a list are of one kind
         model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
-    elsewhere = (f"; nearest: {key}" for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}"))
-    hint = f"; {HINTS[place[-1]]}" if place[-1] in HINTS else ""
-    suggestion = hint or nearest(place[-1], allowed) or next(elsewhere, "")
+    hint = HINTS.get(f"{place[0]}.{place[-1]}", HINTS.get(str(place[-1])))
+    suggestion = f"; {hint}" if hint else nearest(place[-1], _alike(place[-1], allowed)) or _elsewhere(place, whole)
     return f"unknown key{suggestion}; allowed: {', '.join(allowed)}"
+
+
+def _alike(name: object, allowed: Iterable[str]) -> list[str]:
+    """Return the ``allowed`` keys that an unknown ``name`` may mean.
+
+    A name with a further word is another quantity, as is max_velocity for velocity. A name that is part of several
+    keys may be any of them.
+    """
+    words = str(name).split("_")
+    longer = [key for key in allowed if {*words} < {*key.split("_")}]
+    return [key for key in allowed if key.count("_") >= len(words) - 1 and (key not in longer or len(longer) == 1)]
+
+
+def _elsewhere(place: KeyPath, whole: type[Model]) -> str:
+    """Return the one key of this name in another section, as a hint; of deeper places none has the same meaning."""
+    found = [key for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}")]
+    return f"; nearest: {found[0]}" if len(place) < 3 and len(found) == 1 else ""
 
 
 def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:

@@ -64,6 +64,8 @@ def test_no_error_without_an_order(values, reason):
     found = of_number(SPACINGS, values, BELIEVED)
     assert found.error is None
     assert reason in found.reason
+    spread = max(values) - min(values)
+    assert found.spread == (pytest.approx(spread, rel=1e-12) if spread > 0.0 else None)
 
 
 def test_mixed_orders_of_either_sign_are_not_monotone():

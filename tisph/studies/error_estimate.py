@@ -15,6 +15,8 @@ any ratios.
 Where a coarser run is impossible, or does not end, a finer run is made instead, after the run itself. With the least
 expected order the difference of the two gives the largest possible error.
 
+A number whose runs show no order, as forces do that scatter, has no estimated error; the spread of the runs is stated.
+
 Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413, for errors of one shape.
 """
 
@@ -234,11 +236,14 @@ class Extrapolation:
     """The observed ``order``, and the ``error`` of the finest run in the unit of the differences.
 
     Where no error can be estimated, it is None and ``reason`` says why. ``order`` is None where no order is observed.
+    ``spread``: without an error the largest difference between two of the runs, in the same unit. Scatter from
+    step to step, as of forces, makes errors of about that size; it bounds no error that all runs have in common.
     """
 
     order: float | None
     error: float | None
     reason: str | None = None
+    spread: float | None = None
 
 
 def of_number(spacings: Sequence[float], values: Sequence[float], expected: Range) -> Extrapolation:
@@ -249,7 +254,9 @@ def of_number(spacings: Sequence[float], values: Sequence[float], expected: Rang
     first, second = values[0] - values[1], values[1] - values[2]
     size = max(map(abs, values))
     if max(abs(first), abs(second)) > ROUNDING * size and first * second <= 0:
-        return Extrapolation(None, None, "not monotone: it goes up and down with the spacing")
+        return Extrapolation(
+            None, None, "not monotone: it goes up and down with the spacing", max(values) - min(values)
+        )
     return of_norms(spacings, [abs(values[one] - values[other]) for one, other in PAIRS], expected, size)
 
 
@@ -276,15 +283,16 @@ def of_norms(
     if max(norms) <= ROUNDING * size:
         return Extrapolation(None, None, "the runs agree but for rounding")
     if not norms[0] > norms[1] > 0.0:
-        return Extrapolation(None, None, "does not converge: the finer two runs differ no less than the coarser two")
+        reason = "does not converge: the finer two runs differ no less than the coarser two"
+        return Extrapolation(None, None, reason, float(max(norms)))
     observed, misfit, model = _fitted(np.asarray(spacings), np.asarray(norms))
-    reason = None
+    reason = ""
     if misfit > LARGEST_MISFIT:
         reason = "no one order: the three differences do not fit a power of the spacing"
     elif not expected[0] <= observed <= expected[1]:
         reason = f"order {observed:.2g} where {expected[0]:g} to {expected[1]:g} is to be expected"
     if reason:
-        return Extrapolation(observed, None, reason)
+        return Extrapolation(observed, None, reason, float(max(norms)))
     scale, _ = _scale(np.asarray(spacings), np.asarray(norms), order or observed, model)
     return Extrapolation(observed, scale * (spacings[2] / spacings[0]) ** (order or observed))
 
@@ -320,7 +328,7 @@ def text(estimate: dict[str, Any], config: Any) -> str:
         for kind, remark in (("fields", "relative, L2"), ("numbers", "absolute")):
             for name, found in sample[kind].items():
                 order = "" if found["order"] is None else f"{found['order']:.2g}"
-                error = ("none", order, found["reason"])
+                error = ("none" if found["spread"] is None else f"spread {found['spread']:.1e}", order, found["reason"])
                 if found["error"] is not None:
                     error = (f"{found['error']:.1e}", order, remark)
                 rows.append((f"{sample['t']:g} {config.units.time}", name, *error))

@@ -86,7 +86,9 @@ def estimate_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
             time = f"{number(sample['t'])} {run.config.units.time}"
             for kind, words in (("fields", "relative, L2"), ("numbers", "absolute")):
                 for name, each in sample[kind].items():
-                    error = NOTHING if each["error"] is None else scientific(each["error"])
+                    spread = each.get("spread")  # there is none in folders of older versions
+                    error = NOTHING if spread is None else f"spread {scientific(spread)}"
+                    error = error if each["error"] is None else scientific(each["error"])
                     remark = each["reason"] if each["error"] is None else words
                     order = NOTHING if each["order"] is None else number(each["order"], 2)
                     rows.append(Row([view.title, time, name.replace("_", " "), error, order, remark]))

@@ -87,6 +87,7 @@ def test_samples_and_pictures_say_so():
     ]
     assert error_label(channel)(early) == "unresolved: layer of 0.2 spacings"
     assert error_label(channel)(late).startswith("L2 error")
+    assert error_label(channel)(make_snapshot(channel, 0.0)) == "unresolved: layer that starts"
 
 
 def test_steep_stress_is_not_resolved():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from report_scene import Drawn, make_video
 
+from tisph.cli.check import forecast
 from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -244,3 +245,25 @@ def test_a_run_says_at_its_end_whether_it_is_steady(case, regular):
     judged, rest = printed(STEADY * (1 + 1e-3 * TIMES[:, None]))
     assert judged == {"resolved": "yes", "energy change": "9.8e-04", "steady": "no"}  # over the mean, at t = 17.5
     assert "sample 0 is not steady: the kinetic energy changes by 9.8e-04 in a time of 1" in rest
+
+
+def test_check_says_how_steep_the_stress_of_a_polymer_becomes(case):
+    """Along the lid A_xx of an Oldroyd-B fluid grows 45-fold at De = 1/2, by midpoint steps; at 1/10 not at all."""
+    lid, log = "walls.lid.profile=regular", 0.0
+
+    def slope(x):
+        u, strain = 16.0 * x**2 * (1.0 - x) ** 2, 32.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
+        return (2.0 * strain - 1.0 / 0.5) / u
+
+    start = next(place for place in np.linspace(0.01, 0.1, 901) if slope(place) > 0.0)
+    for x in np.arange(start, 0.5, 1e-4):
+        log = max(log, log + 1e-4 * slope(x + 0.5e-4))
+    found = []
+    for time in (0.5, 0.1):
+        config = case(lid, f"fluid.rheology={{type: oldroyd_b, relaxation_time: {time}, solvent_fraction: 0.5}}")
+        scene = Scene.from_config(config)
+        found.append(scene.steepness)
+        warned = [text for text in forecast(config)[1] if "polymer's stretch will change" in text]
+        assert len(warned) == (time == 0.5)
+    assert found == [pytest.approx(log, rel=1e-2), 0.0]  # the first place is found to 1e-4
+    assert Scene.from_config(case(lid)).steepness == 0.0

@@ -221,9 +221,12 @@ def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
     assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)
 
 
+RESTING = {"reference_length": 1.0, "reference_velocity": 1.0, "viscous_time": 10.0, "start_time": 0.0, "polymer": None}
+
+
 def test_scatter_of_a_mean_is_no_change_of_a_steady_flow():
     """Of 100 values with a scatter of 2e-3 slopes have a standard error of 1.4e-4, of which 6 count: 8e-4."""
-    scene = SimpleNamespace(reference_length=1.0, reference_velocity=1.0, viscous_time=10.0, start_time=0.0)
+    scene = SimpleNamespace(**RESTING)
     times = np.linspace(0.0, 20.0, 401)
     scattered = 1.0 + 2e-3 * np.random.default_rng(0).normal(size=401)
     for rise, steady in ((0.0, True), (3e-4, True), (2e-3, False)):
@@ -233,7 +236,7 @@ def test_scatter_of_a_mean_is_no_change_of_a_steady_flow():
 
 
 def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
-    scene = SimpleNamespace(reference_length=1.0, reference_velocity=2.0, viscous_time=10.0, start_time=0.0)  # 0.5 each
+    scene = SimpleNamespace(**RESTING | {"reference_velocity": 2.0})  # 0.5 each
     times = np.linspace(0.0, 10.0, 201)
     energies = np.where(times <= 6.0, 3.0, 3.0 + (times - 6.0))[:, None]
     found = steadiness(scene, 6.0, (None, None, (times, energies)))
@@ -256,6 +259,13 @@ def test_a_movie_shows_the_distance_of_two_free_bodies(tmp_path):
     series = scene.movie_series()
     assert series.measure(SimpleNamespace(bodies=Bodies.at(0.0, scene.bodies))) == pytest.approx([0.4])
     assert (series.levels, series.level_name) == ([0.25], "in contact")
+
+
+@pytest.mark.parametrize(("text", "drawn"), [(LATTICE, True), (REGION, False)])
+def test_the_mean_velocity_is_drawn_where_it_is_not_zero(tmp_path, text, drawn):
+    """In a closed box it is 0."""
+    panels = scene_of(loaded(tmp_path, text)).time_series().panels
+    assert (("superficial velocity", "velocity") in panels) == drawn
 
 
 def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):

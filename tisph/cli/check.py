@@ -6,7 +6,7 @@ from typing import Any
 
 from tisph.cli.terminal import ConfigFile, Overrides
 from tisph.errors import ConfigError
-from tisph.measures.resolution import resolution
+from tisph.measures.resolution import STEEPEST, resolution
 from tisph.schemes._estimate import (
     DISORDERED_CELL_RE_OF_ORDER_2,
     DISORDERED_SOLVENT_CELL_RE,
@@ -196,6 +196,9 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if (numbers["error"] or 0.0) > LARGE_ERROR:
         last = config.time.samples[-1]
         yield f"the L2 error at the last sample, t = {last:g}, may be as large as {numbers['error']:.1g}"
+    if scene.steepness > STEEPEST:
+        text = f"before the flow is steady, the polymer's stretch will change {math.exp(scene.steepness):.2g}-fold"
+        yield f"{text} within a spacing; resolved up to {math.exp(STEEPEST):.2g}-fold"
     if numbers["run_time"] > LONG:
         steps = _about(numbers["steps"], numbers["steps_range"], " steps")
         yield f"the run takes {steps}, {_total_time(numbers)}"

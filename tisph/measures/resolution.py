@@ -147,7 +147,7 @@ def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[
     spacings = depth / scene.spacing
     if spacings < LEAST_DEPTH:
         text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
-        return f"layer of {spacings:.1f} spacings", text
+        return f"layer of {spacings:.1f} spacings" if spacings else "layer that starts", text
     radius, gap = scene.narrowest(t)
     for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
         spacings = size / scene.spacing

@@ -585,7 +585,10 @@ class Cell(BodyScene):
             measure=measure,
             sizes=[*(sizes[kind] for kind, _ in followed), speed],
             levels=[drive, *[np.nan] * len(columns)] if alone else (),
-            panels=[*(panels.get(kind) for kind, _ in followed), ("superficial velocity", "velocity")],
+            panels=[  # the mean velocity in a closed box is 0
+                *(panels.get(kind) for kind, _ in followed),
+                ("superficial velocity", "velocity") if self.periodic[0] else None,
+            ],
             drifting=[f"{kind}{name}" for kind, name in followed if kind in PLACES],
         )
 

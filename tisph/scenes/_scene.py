@@ -143,6 +143,9 @@ class SceneDefaults:
     fields: tuple[str, ...] = ()
     """Names of the snapshot's fields for which ``exact`` has a reference; empty without a reference solution."""
 
+    steepness: float = 0.0
+    """Change of the logarithm of a polymer's stretch within a spacing that steady flow will have; 0 where unknown."""
+
     reference: Reference | None = None
     """Reference whose assumptions some configs of the scene do not meet; None if there is none of this kind."""
 

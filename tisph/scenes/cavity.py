@@ -140,6 +140,23 @@ class Cavity(BodyScene):
         """See ``Scene.thinnest_layer``: the layer under the lid, in which fluid stays for a time width/U."""
         return self.layer_depth(min(t, self.width / self.velocity_scale)), "the layer under the lid"
 
+    @property
+    def steepness(self) -> float:
+        """See ``SceneDefaults.steepness``, under a regular lid.
+
+        On the lid, of velocity u(x), a large stretch A_xx obeys d ln A/dx = 2 u'/u - 1/(relaxation time u); shear adds
+        to it. It grows from x_0, where the strain rate exceeds half the relaxation rate. Fluid that is x_0 below the
+        lid there, and not stretched, comes to the middle at the distance x_0 u(x_0)/u: there the stress falls again.
+        """
+        if not self.regular or self.rheology is None or self.rheology.type != "oldroyd_b":
+            return 0.0
+        x = np.linspace(0.0, 0.5, 10_001)[1:]
+        passed = (2.0 * np.log(x / (1.0 - x)) + 1.0 / (1.0 - x) - 1.0 / x) / 16.0  # integral of dx/LID
+        growth = 2.0 * np.log(LID(x)) - passed * self.width / (self.rheology.relaxation_time * self.velocity_scale)
+        rise = growth - np.minimum.accumulate(growth)
+        start = x[int(np.argmin(growth[: int(np.argmax(rise)) + 1]))]
+        return float(rise.max() / max(1.0, start * LID(start) * self.width / self.spacing))
+
     @cached_property
     def reference(self) -> Reference:
         """See ``SceneDefaults.reference``: all are of the steady state."""

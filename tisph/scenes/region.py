@@ -215,6 +215,9 @@ class Walls(Model):
         if self.around is not None and given:
             text = "is not allowed with walls.around, which encloses the fluid"
             raise refusals([((name,), text, getattr(self, name)) for name in given])
+        if self.around is not None and self.around.motion == "free":
+            text = "must not be free: a wall is fixed, or turns with an angular_velocity or angular_amplitude"
+            raise refusals([(("around", "motion"), text, "free")])
         return self
 
 

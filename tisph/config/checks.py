@@ -121,11 +121,10 @@ def colours(config: Any) -> list[str]:
         names += ["v", "vorticity", "pressure"]
     if config.axisymmetric:
         names += ["swirl", "stream_function"]
+    names += ["shear_rate", "shear_stress", "viscosity"]
     if rheology.carries_stress:
-        names += ["shear_stress", "normal_stress_difference"]
+        names += ["normal_stress_difference"]
         names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
-    elif rheology.type == "newtonian" and not config.parallel and not config.axisymmetric:
-        names.append("shear_stress")
     return [*names, *(["error"] if config.has_exact_velocity else []), "dye"]
 
 

@@ -45,7 +45,7 @@ from tisph.report.labels import (
 from tisph.report.layout import Layout, Rect, arrange
 from tisph.report.overlays import BodyTracks, Solids, StreamFunction, Streamlines, Tracks, Vectors
 from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, measured
-from tisph.report.quantities import Extremes, Quantity, quantity
+from tisph.report.quantities import Extremes, Quantity, Spread, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
@@ -523,12 +523,12 @@ class Movie:
 class _Ranges:
     """Ranges of colours, of the ``profile`` along its line and of the series over the frames, and their number.
 
-    Velocities are bounded, and all of them are shown; stresses and gradients may be infinite at corners.
+    Velocities are bounded, and all of a profile is shown; stresses and gradients may be infinite at corners.
     """
 
     def __init__(self, profile: Profile):
-        self.colours = Extremes(whole=profile.unit == "velocity")
-        self.profile, self.series = Extremes(whole=True), Extremes(whole=True)
+        self.colours, self.series = Spread(), Extremes()
+        self.profile = Extremes() if profile.unit == "velocity" else Spread()
         self._line, self.count = profile.line, 0
 
     def add(self, measured: Measured) -> None:

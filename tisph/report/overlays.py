@@ -341,7 +341,10 @@ _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that o
 
 @dataclass(frozen=True)
 class StreamFunction:
-    """``psi`` (rows, columns) at the nodes of ``Streamlines``, NaN within bodies; its ``ends`` in the fluid."""
+    """``psi`` (rows, columns) at the nodes of ``Streamlines``, NaN within bodies; its ``ends`` in the fluid.
+
+    psi is 0 on the walls, or half-way between the two walls of which psi differs most; without walls its mean is 0.
+    """
 
     psi: np.ndarray
     ends: tuple[float, float]
@@ -350,7 +353,8 @@ class StreamFunction:
 class Streamlines:
     """Paints lines into the box of ``scene``, of even width, with ``step`` of the stream function from line to line.
 
-    The step is the same in all frames: a flow twice as strong has twice as many lines.
+    Lines are at psi = (k + 1/2) ``step`` with whole k, as many above 0 as below it if psi has the same size there. The
+    step is the same in all frames: a flow twice as strong has twice as many lines.
     """
 
     def __init__(self, scene: Any, layout: Layout):
@@ -379,8 +383,12 @@ class Streamlines:
             return []
         x, y = self._axes
         contours: Any = contour_generator(x, y, np.ma.masked_invalid(stream.psi), line_type=LineType.Separate)
-        levels = np.arange(stream.ends[0] + 0.5 * self.step, stream.ends[1], self.step)
-        return [line for level in levels for line in contours.lines(level)]
+        return [line for level in self.levels(stream) for line in contours.lines(level)]
+
+    def levels(self, stream: StreamFunction) -> np.ndarray:
+        """Return the values of psi that have lines, in ascending order."""
+        first, last = np.array(stream.ends) / self.step - 0.5
+        return (np.arange(math.ceil(first), math.floor(last) + 1) + 0.5) * self.step
 
     def measured(self, snapshot: Snapshot) -> StreamFunction | None:
         """Return the stream function of a snapshot, None where a run went wrong; widen ``step`` to ten lines in it."""
@@ -394,9 +402,25 @@ class Streamlines:
         if self._scene.axisymmetric:
             flow *= np.abs(self._nodes[:, :, 1:])
         psi = self._stream_function(flow)
+        psi -= self._at_walls(psi, snapshot)
         within = psi[depth >= 0.0]
         self.step = max(self.step, float(np.ptp(within)) / _LINES)
         return StreamFunction(np.where(self._wet, psi, np.nan), (float(within.min()), float(within.max())))
+
+    def _at_walls(self, psi: np.ndarray, snapshot: Snapshot) -> float:
+        """Return the mean of the least and the largest ``psi`` of a wall or body; 0 without any."""
+        from scipy.ndimage import map_coordinates
+
+        found, low, size = [], np.array(self._scene.origin), np.array(self._scene.extent)
+        for body in self._scene.seen(snapshot).bodies:
+            points = body.boundary_points(self._pitch.max(), snapshot.t).point
+            points = np.where(self._scene.periodic, low + (points - low) % size, points)  # a wall that slides leaves
+            places = (points - [axis[0] for axis in self._axes]) / self._pitch
+            last = np.array(psi.shape[::-1]) - 1.0
+            places = places[(np.abs(places - 0.5 * last) < 0.5 * last + 0.5).all(axis=1)]
+            if len(places) and not isinstance(body, OpenEnd):
+                found.append(map_coordinates(psi, places.T[::-1], order=1, mode="nearest").mean())
+        return 0.5 * (min(found) + max(found)) if found else 0.0
 
     def _depth(self, snapshot: Snapshot) -> np.ndarray:
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""

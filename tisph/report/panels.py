@@ -72,7 +72,7 @@ class TimePanel:
         return (times - first) / (last - first) * rect.width - 1.0, np.clip(row, -rect.height, 2 * rect.height)
 
     def _exact_ends(self) -> Ends:
-        extremes = Extremes(whole=True)
+        extremes = Extremes()
         for values in () if self.exact is None else self.exact:
             extremes.add(values)
         return extremes.ends

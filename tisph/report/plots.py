@@ -172,11 +172,9 @@ def _label_axes(axes: Axes, scene: Any, kind: tuple[str, str], latest: float) ->
 
 
 _DOTS = 400  # particles drawn a sample: more only hide each other
-_PROFILE_POINTS = 400
-_SMALLEST_MARKER, _LARGEST_MARKER = (
-    3.5,
-    8.0,
-)  # markers: later samples have smaller ones, so that both show where curves coincide
+_PALE = 0.25  # opacity of the particles behind their interpolated profile
+_PROFILE_POINTS = 200
+_THIN, _WIDER = 1.6, 1.2  # points: line of the last sample; so much wider are earlier ones, which show beneath it
 
 Panel = tuple[Profile, bool]
 """A profile, and whether its error over its scale is shown."""
@@ -187,7 +185,8 @@ def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigur
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
     """
-    panels = [(profile, error) for profile in scene.profiles() for error in (False, True) if profile.scale or not error]
+    profiles = scene.profiles()
+    panels = [(profile, error) for profile in profiles for error in (False, True) if profile.scale or not error]
     rows = -(-len(panels) // 2)
     with style.plot_style():
         figure = style.plot_figure(rows=rows)
@@ -199,7 +198,11 @@ def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigur
         error_words = error_label(scene)
         looks = _looks(len(snapshots))
         for index, snapshot in enumerate(snapshots):
-            drawn = [_plot(one, scene, panel, snapshot, looks[index]) for one, panel in zip(axes, panels, strict=False)]
+            coordinates = [profile.line.coordinates(_PROFILE_POINTS) for profile in profiles]
+            found = [each.interpolated(scene, snapshot, at) for each, at in zip(profiles, coordinates, strict=True)]
+            curves = [(coordinates[k], found[k]) for k in (profiles.index(profile) for profile, _ in panels)]
+            shown = zip(axes, panels, curves, strict=False)
+            drawn = [_plot(one, panel, snapshot, curve, looks[index]) for one, panel, curve in shown]
             if index in named:
                 t_star = number(snapshot.t / scene.time_scale, 3)
                 time = f"t = {number(snapshot.t)} {scene.units.time},  t* = {t_star}"
@@ -214,37 +217,31 @@ def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigur
 
 
 def _looks(count: int) -> list[dict]:
-    """Return colour, shape and size of every sample's markers."""
-    sizes = np.linspace(min(_LARGEST_MARKER, _SMALLEST_MARKER + 1.5 * count - 0.5), _SMALLEST_MARKER, count)
-    return [
-        {
-            "color": colour,
-            "marker": _SHAPES[index % len(_SHAPES)],
-            "markersize": size,
-            "markeredgewidth": 0.0,
-        }
-        for index, (colour, size) in enumerate(zip(style.colours(count, 0.85), sizes, strict=True))
-    ]
+    """Return colour and width of the line of every sample: where lines coincide, earlier ones show beneath."""
+    widths = np.linspace(_THIN + min(5.0, _WIDER * (count - 1)), _THIN, count)
+    return [{"color": colour, "lw": width} for colour, width in zip(style.colours(count, 0.85), widths, strict=True)]
 
 
-def _plot(axes: Axes, scene: Any, panel: Panel, snapshot: Snapshot, look: dict) -> Line2D:
-    """Draw one sample into one panel; return its dots."""
-    profile: Any
+def _plot(
+    axes: Axes, panel: Panel, snapshot: Snapshot, curve: tuple[np.ndarray, np.ndarray], look: dict
+) -> Line2D:
+    """Draw one sample into one panel: particles pale behind the ``curve`` (coordinates, values); return its line."""
     profile, error = panel
     chosen = profile.line.particles(snapshot)
     chosen = chosen[style.evenly_chosen(len(chosen), _DOTS)]
     along, values = profile.line.of(snapshot)[chosen], profile.of(snapshot)[chosen]
+    coordinates, between = curve
+    exact = profile.exact(*profile.line.points(coordinates), snapshot.t) if profile.exact else None
     if error:
-        exact = profile.exact(snapshot.x[chosen], snapshot.y[chosen], snapshot.t)
-        look = {**look, "markersize": 0.7 * look["markersize"]}
-        return axes.plot((values - exact) / profile.scale[0], along, linestyle="", alpha=0.8, **look)[0]
-    dots = axes.plot(values, along, linestyle="", **look)[0]
-    if profile.exact:
-        coordinates = profile.line.coordinates(_PROFILE_POINTS)
-        exact = profile.exact(*profile.line.points(coordinates), snapshot.t)
-        exact = np.where(profile.line.in_fluid(scene.seen(snapshot), coordinates, snapshot.t), exact, np.nan)
-        axes.plot(exact, coordinates, "-", color=style.TEXT, linewidth=0.9)
-    return dots
+        assert profile.exact
+        assert profile.scale
+        values = (values - profile.exact(snapshot.x[chosen], snapshot.y[chosen], snapshot.t)) / profile.scale[0]
+        between, exact = (between - exact) / profile.scale[0], None
+    axes.plot(values, along, "o", color=look["color"], markersize=3.5, markeredgewidth=0.0, alpha=_PALE)
+    line = axes.plot(between, coordinates, "-", **look)[0]
+    if exact is not None:
+        axes.plot(np.where(np.isfinite(between), exact, np.nan), coordinates, "-", color=style.TEXT, linewidth=0.9)
+    return line
 
 
 def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: Any) -> None:

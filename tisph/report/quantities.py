@@ -13,7 +13,9 @@ from tisph.report.labels import unit_label
 from tisph.scenes._views import MovieView, Profile
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
-_SHARE, _FRAMES = 0.98, 0.9  # of the particles of a frame, and of the frames, that a range holds: corners do not count
+_BEYOND, _ROOM = 0.05, 1.5  # share of the sum of sizes beyond L; colours end at so many L, or at the largest size
+_FEW = 0.01  # share of the sum of sizes of the values of one sign: below it they count as none
+_DRAWN = 4000  # values of a frame that count
 _WHOLE = 0.98  # of the frames, where all values of a frame count: a start may be infinite
 _ROUNDING = 1e-9  # of the largest: values of the other sign up to it are none
 
@@ -43,9 +45,12 @@ def quantity(
 ) -> Quantity:
     """Return the quantity that ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
 
-    ``ends`` are the smallest and largest colour and value of the profile in the frames, where the view has none.
+    ``ends`` are the limits of the colours, and the smallest and largest value of the profile, in the frames, where the
+    view has none.
     """
-    colours, along = ends or (view.ends or (0.0, 0.0), view.ends or (0.0, 0.0))
+    limited = limits_of(np.empty(0) if view.values is None else view.values)
+    bounded = view.profile.unit == "velocity"  # all of it is shown
+    colours, along = ends or (limited, (view.ends or limited) if bounded else limited)
     largest = _largest(colours)
     signed = view.signed and min(colours) < -_ROUNDING * largest
     diverging = signed and max(colours) > _ROUNDING * largest
@@ -62,31 +67,61 @@ def quantity(
     )
 
 
-class Extremes:
-    """The range of values that come frame by frame: without the few in a frame, and the few frames, that stand out.
+def limits_of(values: np.ndarray) -> Ends:
+    """Return the limits of the colours of ``values`` (n,), which are spread evenly over fluid and time.
 
-    With ``whole`` all values of a frame count, as for a curve; a field has outliers.
+    Both are 1.5 L away from 0, or as far as the lowest and the highest value. L is the size with
+    sum max(0, |v| - L) = 0.05 sum |v|: fluid at rest, however much, does not lower it, and the infinite values at
+    corners and at starts do not raise it. Of values that are linear in space, the largest one is within the limits.
     """
+    values = values[np.isfinite(values)]
+    if not values.any():
+        return 0.0, 0.0
+    size = np.sort(np.abs(values))[::-1]
+    total = np.cumsum(size)
+    beyond = total - size * np.arange(1, len(size) + 1)  # of L = size[k]
+    room = _ROOM * size[np.searchsorted(beyond, _BEYOND * total[-1], "right") - 1]
+    low, high = (float(min(room, max(0.0, (sign * values).max()))) for sign in (-1.0, 1.0))
+    few = [np.maximum(0.0, sign * values).sum() <= _FEW * total[-1] for sign in (-1.0, 1.0)]
+    return 0.0 if few[0] else -low, 0.0 if few[1] else high
 
-    def __init__(self, whole: bool = False):
+
+class Extremes:
+    """The range of values that come frame by frame, without the few frames that stand out."""
+
+    def __init__(self) -> None:
         self._least: list[float] = []
         self._most: list[float] = []
-        self._values, self._frames = (1.0, _WHOLE) if whole else (_SHARE, _FRAMES)
 
     def add(self, values: np.ndarray) -> None:
         """Take the ``values`` of one frame; those that are no finite numbers are left out."""
         values = values[np.isfinite(values)]
         if values.size:
-            least, most = np.quantile(values, (1.0 - self._values, self._values))
-            self._least.append(least)
-            self._most.append(most)
+            self._least.append(float(values.min()))
+            self._most.append(float(values.max()))
 
     @property
     def ends(self) -> Ends:
         """The smallest and the largest value; (0, 0) where there were none."""
         if not self._most:
             return 0.0, 0.0
-        return float(np.quantile(self._least, 1.0 - self._frames)), float(np.quantile(self._most, self._frames))
+        return float(np.quantile(self._least, 1.0 - _WHOLE)), float(np.quantile(self._most, _WHOLE))
+
+
+class Spread:
+    """The limits of values that come frame by frame, from evenly chosen ones of all frames; see ``limits_of``."""
+
+    def __init__(self) -> None:
+        self._values: list[np.ndarray] = []
+
+    def add(self, values: np.ndarray) -> None:
+        """Take the ``values`` of one frame."""
+        self._values.append(values[style.evenly_chosen(len(values), _DRAWN)])
+
+    @property
+    def ends(self) -> Ends:
+        """The lower and the upper limit; (0, 0) where there were no values."""
+        return limits_of(np.concatenate([np.empty(0), *self._values]))
 
 
 def _largest(ends: Sequence[float]) -> float:

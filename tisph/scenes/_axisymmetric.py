@@ -262,8 +262,10 @@ class AxisymmetricScene(BodyScene):
         return found | {"swirl": replace(around, name="swirl")} if around else found
 
     def movie_fields(self, name: str) -> tuple[str, ...]:
-        """See ``Scene.movie_fields``; the trace of the conformation also needs the stress around the axis."""
-        return *super().movie_fields(name), *STRESSES_AROUND[: name == "conformation_trace"]
+        """See ``Scene.movie_fields``; conformation trace and viscosity also need the stress around the axis."""
+        found = super().movie_fields(name)
+        around = {"conformation_trace": 1, "viscosity": 3 if self.swirls else 1}.get(name, 0) if found else 0
+        return *found, *STRESSES_AROUND[:around]
 
     def description(self) -> dict[str, float]:
         """Return radii and length."""

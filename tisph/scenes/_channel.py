@@ -488,7 +488,7 @@ class Channel(Scene):
         )
         return {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
 
-    def movie_ends(self, name: str, profile: Profile, end: float) -> Sequence[float]:
+    def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
         """Return values that span the range of a ``profile`` to time ``end``, wall velocities included."""
         found = [*profile.extremes(self.start_time, end)]
         if profile.unit == "stress":

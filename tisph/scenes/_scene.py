@@ -423,13 +423,14 @@ class Scene(SceneDefaults):
         """Return the time series that a movie shows."""
         return self.time_series()
 
-    def movie_ends(self, name: str, profile: Profile, end: float) -> Sequence[float]:
-        """Return values that span the range of ``profile``, entry ``name`` of ``movie_profiles``, to time ``end``."""
+    def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
+        """Return values that span the range of ``profile``, one of ``movie_profiles``, to time ``end``."""
         return profile.extremes(self.start_time, end)
 
     def movie_fields(self, name: str) -> tuple[str, ...]:
         """Return the fields that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
-        return COLOURS[name].fields if name in COLOURS else ()
+        without = name == "viscosity" and not self.polymer  # which fields are those of a polymer's stress
+        return () if without or name not in COLOURS else COLOURS[name].fields
 
     def movie_view(self, name: str, end: float) -> MovieView:
         """Return the view of a movie to time ``end`` whose fluid is coloured by ``name``."""

@@ -7,11 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from tisph.measures.fits import max_void_radius, min_distance, stream_function, velocity_gradients, vorticity
+from tisph.measures.fits import (
+    interpolated,
+    max_void_radius,
+    min_distance,
+    stream_function,
+    velocity_gradients,
+    vorticity,
+    with_walls,
+)
 from tisph.measures.metrics import with_reference
 from tisph.snapshot import Snapshot
 
 ROUNDING = 1e-6  # spacings
+_AT_REST = 1e-3  # of reference velocity over length: a shear rate that errors alone may make
 _TIMES, _POINTS = 60, 101  # at which the range of a reference is evaluated
 
 
@@ -48,6 +57,10 @@ class Line:
         """Return ``count`` evenly spaced coordinates from end to end."""
         return np.linspace(*self.ends, count)
 
+    def even_coordinates(self, count: int) -> np.ndarray:
+        """Return ``count`` coordinates, each of an equal part of the fluid that the line stands for."""
+        return self.coordinates(count)
+
     def points(self, coordinates: Any) -> tuple[Any, Any]:
         """Return places (x, y) at ``coordinates`` along the line; they broadcast."""
         return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
@@ -73,6 +86,10 @@ class Radius(Line):
         """Return the distance of each particle from the axis."""
         return np.hypot(snapshot.x - self.place[0], snapshot.y - self.place[1])
 
+    def even_coordinates(self, count: int) -> np.ndarray:
+        """See ``Line.even_coordinates``: the radii of rings of equal area."""
+        return np.sqrt(np.linspace(*np.square(self.ends), count))
+
     def points(self, coordinates: Any) -> tuple[Any, Any]:
         """Return places (x, y) at the distances ``coordinates`` along x from the axis."""
         return self.place[0] + coordinates, self.place[1]
@@ -97,6 +114,18 @@ class Profile:
     reference: str = "exact"
     steady: bool = False
 
+    def interpolated(self, scene: Any, snapshot: Snapshot, coordinates: np.ndarray) -> np.ndarray:
+        """Return the quantity at ``coordinates`` (n,) along the line, interpolated between particles (n,).
+
+        By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN within bodies, and
+        where the run has gone wrong.
+        """
+        given = walled(scene, snapshot) if self.unit == "velocity" else snapshot
+        places = np.stack([given.x, given.y], axis=1).astype(float)
+        points = np.stack(np.broadcast_arrays(*self.line.points(coordinates)), axis=1)
+        found = interpolated(scene, places, self.of(given)[:, None], points)[:, 0]
+        return np.where(self.line.in_fluid(scene.seen(snapshot), coordinates, snapshot.t), found, np.nan)
+
     def extremes(self, start: float, end: float) -> tuple[float, float]:
         """Return the smallest and largest finite value of the reference on the line from time ``start`` to ``end``.
 
@@ -109,14 +138,33 @@ class Profile:
         values = values[np.isfinite(values)]
         return float(values.min()), float(values.max())
 
+    def spread(self, start: float, end: float) -> np.ndarray:
+        """Return the reference (n,) at places that are even in the fluid and times that are even in the run."""
+        assert self.exact is not None
+        places = self.line.points(self.line.even_coordinates(_POINTS)[:, None])
+        return self.exact(*places, np.linspace(start, end, _TIMES)[None, :]).ravel()
+
+
+def walled(scene: Any, snapshot: Snapshot) -> Snapshot:
+    """Return a ``snapshot`` that has a particle with the velocity of the wall at each point of ``fits.with_walls``."""
+    (x, y), (u, v) = (part.T for part in with_walls(scene, snapshot))
+    w = snapshot.w
+    if w is not None:
+        spins = [
+            body.spin.velocity(snapshot.t) * body.boundary_points(scene.spacing, snapshot.t).point[:, 1]
+            for body in scene.seen(snapshot).bodies
+        ]
+        w = np.concatenate([w, *spins])
+    return replace(snapshot, x=x, y=y, u=u, v=v, w=w)
+
 
 @dataclass(frozen=True)
 class MovieView:
     """The quantity that colours the fluid in a movie, and the profile beside it.
 
     ``of``: function of a snapshot that returns the quantity. ``signed``: colours span minus to plus the largest
-    magnitude in ``ends`` if these have both signs, else they start at 0. ``ends``: values that span the range of the
-    profile in the run; None if only the frames show it. ``error``: name in a snapshot and in words of the field whose
+    magnitude if it has both signs, else they start at 0. ``ends``: values that span the range of the profile in the run,
+    and ``values``, which are even over fluid and run, for the colours; None if only the frames show them. ``error``: name in a snapshot and in words of the field whose
     error is written beside the movie; None for the velocity.
     """
 
@@ -125,6 +173,7 @@ class MovieView:
     of: Callable
     profile: Profile
     ends: Sequence[float] | None
+    values: np.ndarray | None = None
     error: tuple[str, str] | None = None
 
 
@@ -209,12 +258,55 @@ class Colour:
     fields: tuple[str, ...] = ()
 
 
-def _shear_stress(scene: Any, snapshot: Any) -> np.ndarray:
-    """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx)."""
+def _strain(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return the rate of strain D_xx, D_yy, D_tt, D_xy, D_xt, D_yt at the particles (6, particles); t: around an axis.
+
+    In axisymmetric flow D_tt = v/y, D_xt = (dw/dx)/2 and D_yt = (dw/dy - w/y)/2; else these are 0.
+    """
+    (u_x, u_y, v_x, v_y), none = velocity_gradients(scene, snapshot, degree=2), np.zeros(len(snapshot.x))
+    if snapshot.w is None:
+        return np.stack([u_x, v_y, none, 0.5 * (u_y + v_x), none, none])
+    w_x, w_y = velocity_gradients(scene, replace(snapshot, u=snapshot.w), degree=2)[:2]
+    return np.stack(
+        [u_x, v_y, snapshot.v / snapshot.y, 0.5 * (u_y + v_x), 0.5 * w_x, 0.5 * (w_y - snapshot.w / snapshot.y)]
+    )
+
+
+def _contracted(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the double contraction (particles,) of two symmetric tensors (6, particles) in the order of ``_strain``."""
+    return (one * other * [[1.0], [1.0], [1.0], [2.0], [2.0], [2.0]]).sum(axis=0)
+
+
+def _shear_rate(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return sqrt(2 D:D), |du/dy| in parallel flow."""
+    strain = _strain(scene, snapshot)
+    return np.sqrt(2.0 * _contracted(strain, strain))
+
+
+def _viscosity(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return the dynamic viscosity S:D/(2 D:D) of the whole extra stress S; NaN where nothing is deformed.
+
+    Of an inelastic fluid it is the viscosity of its law at the shear rate; of a polymer solution, the solvent's and the
+    power that the polymer takes up, below 0 where it gives power back.
+    """
+    strain = _strain(scene, snapshot)
+    squared = 2.0 * _contracted(strain, strain)
+    if not scene.polymer:
+        law = scene.rheology.law(scene.kinematic_viscosity, scene.density) if scene.rheology else None
+        return scene.density * law.viscosity(squared) if law else np.full(len(squared), scene.dynamic_viscosity)
+    names = ("stress_xx", "stress_yy", "stress_tt", "stress_xy", "stress_xt", "stress_yt")
+    parts = [getattr(snapshot, name) for name in names]
+    stress = np.stack([np.zeros_like(squared) if part is None else part for part in parts])
+    resting = squared <= (_AT_REST * scene.reference_velocity / scene.reference_length) ** 2
+    shared = _contracted(stress, strain) / np.where(resting, np.nan, squared)
+    return scene.density * scene.solvent_viscosity + shared
+
+
+def _shear_stress(scene: Any, snapshot: Snapshot) -> np.ndarray:
+    """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx), mu being the local viscosity."""
     if scene.polymer:
         return snapshot.stress_xy
-    gradients = velocity_gradients(scene, snapshot, degree=2)
-    return scene.dynamic_viscosity * (gradients[1] + gradients[2])
+    return 2.0 * _viscosity(scene, snapshot) * _strain(scene, snapshot)[3]
 
 
 def _conformation_trace(scene: Any, snapshot: Any) -> np.ndarray:
@@ -253,6 +345,8 @@ COLOURS = {
     "normal_stress_difference": Colour(
         "N1", "stress", lambda _, snapshot: snapshot.stress_xx - snapshot.stress_yy, fields=_NORMAL
     ),
+    "shear_rate": Colour("shear rate", "rate", _shear_rate, signed=False),
+    "viscosity": Colour("viscosity", "viscosity", _viscosity, fields=_NORMAL),
     "conformation_trace": Colour(
         "trace of the conformation tensor", "number", _conformation_trace, signed=False, fields=_NORMAL
     ),
@@ -274,12 +368,15 @@ def movie_view(scene: Any, name: str, end: float) -> MovieView:
     profile = own.get(name)
     of = profile.of if profile and colour.words != "speed" else lambda snapshot: colour.of(scene, snapshot)
     words = profile.name if profile and colour.unit == "stress" and name != "pressure" else colour.words
+    words = f"polymer {words}" if scene.polymer and words == "shear stress" else words
+    known = profile and profile.exact and "u" in scene.fields
     return MovieView(
         name=words,
         signed=colour.signed,
         of=of,
         profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
-        ends=scene.movie_ends(name, profile, end) if profile and profile.exact and "u" in scene.fields else None,
+        ends=scene.movie_ends(profile, end) if known else None,
+        values=profile.spread(scene.start_time, end) if known else None,
         error=ERRORS[name] if ERRORS.get(name, ("",))[0] in scene.fields else None,
     )
 

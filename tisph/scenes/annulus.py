@@ -389,17 +389,6 @@ class Annulus(BetweenCylinders):
         """See ``Scene.movie_fields``; the shear stress around the axis needs all stress components."""
         return ("stress_xx", "stress_yy") if name == "shear_stress" else super().movie_fields(name)
 
-    def movie_ends(self, name: str, profile: Profile, end: float) -> tuple[float, float]:
-        """Return the smallest and largest value of a ``profile`` to time ``end``.
-
-        The vorticity at a wall that starts is infinite at first. Its range is taken from the time on at which the layer
-        is a quarter of the gap deep, or from the middle of the run.
-        """
-        first = self.start_time
-        if name == "vorticity":
-            first = max(first, min(self.viscous_time / 16, 0.5 * (first + end)))
-        return profile.extremes(first, end)
-
     def time_series(self) -> TimeSeries:
         """Return the torques on the cylinders."""
         inner = 2 * math.pi * self.inner_radius**2

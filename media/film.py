@@ -1,7 +1,8 @@
 """The film at the top of README.md: one push through a channel, of a Newtonian fluid and of an elastic one.
 
 ``python media/film.py`` runs configs/oldroyd_b_poiseuille.yaml with both fluids, of the same viscosity, and writes
-media/film.mp4 and media/film.gif. Above: particles coloured by their velocity, and a line of dye that flows with them.
+media/film.mp4 and media/film.gif. Above: particles coloured by their velocity, an arrow for the push, and a line of dye
+that flows with the particles.
 Below: the velocity at mid-gap as it is measured, on the exact curve.
 """
 
@@ -67,6 +68,7 @@ class Film:
         largest = max(np.abs(fluid.speed).max() for fluid in fluids)
         self.colours = style.LIGHT.series[0], style.LIGHT.series[1]
         self.parts = [self._channel(place, fluid, largest) for place, fluid in enumerate(fluids)]
+        self._key(largest)
         axes = self.figure.add_axes((0.07, 0.11, 0.9, 0.3), xlim=(0.0, END))
         times = np.linspace(1e-3, END, 600)
         for fluid in fluids:
@@ -85,7 +87,7 @@ class Film:
 
     def _channel(self, place, fluid, largest):
         width, height = fluid.scene.extent
-        axes = self.figure.add_axes((0.03 + 0.49 * place, 0.49, 0.46, 0.43), xlim=(0.0, width), ylim=(0.0, height))
+        axes = self.figure.add_axes((0.03 + 0.44 * place, 0.5, 0.42, 0.42), xlim=(0.0, width), ylim=(0.0, height))
         axes.set_aspect("equal")
         axes.set_xticks([])
         axes.set_yticks([])
@@ -94,18 +96,40 @@ class Film:
             axes.spines[side].set_visible(False)
         for side in ("top", "bottom"):
             axes.spines[side].set_linewidth(5.0)
-        first = fluid.frames[0]
+        push = {"arrowstyle": "-|>,head_width=0.35,head_length=0.7", "linewidth": 3.0, "color": style.TEXT}
+        axes.annotate("", (0.18 * width, 0.2 * height), (0.03 * width, 0.2 * height), arrowprops=push, zorder=3)
+        axes.text(0.03 * width, 0.26 * height, "push", fontsize=13)
+        x, y, u = self._beyond_the_ends(fluid, 0)
         limits = {"vmin": -largest, "vmax": largest, "cmap": style.DIVERGING_MAP}
-        dots = axes.scatter(first.x, first.y, c=first.u, s=44, linewidths=0.0, **limits)
+        dots = axes.scatter(x, y, c=u, s=44, linewidths=0.0, **limits)
         line = axes.plot([], [], color=style.TEXT, linewidth=5.0)[0]
+        axes.text((DYE - 0.01) * width, 0.03 * height, "dye", fontsize=13, ha="right")
         return dots, line
+
+    def _key(self, largest):
+        """Draw the key to the colours at the right of the channels."""
+        axes = self.figure.add_axes((0.925, 0.52, 0.012, 0.38), xlim=(0.0, 1.0), ylim=(-largest, largest))
+        colours = style.colours(256, colour_map=style.DIVERGING_MAP)[::-1, None, :]
+        axes.imshow(colours, extent=(0.0, 1.0, -largest, largest), aspect="auto")
+        axes.set_xticks([])
+        axes.yaxis.tick_right()
+        axes.tick_params(labelsize=11)
+        axes.set_title("velocity\n[cm/s]", fontsize=12)
+
+    def _beyond_the_ends(self, fluid, index):
+        """Return x, y and u of the particles and of their copies beyond both ends, which make the ends even."""
+        frame, length = fluid.frames[index], fluid.scene.extent[0]
+        shifts = np.repeat([-length, 0.0, length], len(frame.x))
+        x, y, u = (np.tile(each, 3) for each in (frame.x, frame.y, frame.u))
+        near = np.abs(x + shifts - 0.5 * length) < 0.6 * length
+        return (x + shifts)[near], y[near], u[near]
 
     def draw(self, index):
         """Return frame ``index``, uint8 (rows, columns, 4)."""
         for fluid, (dots, line), curve, head in zip(self.fluids, self.parts, self.curves, self.heads, strict=True):
-            frame, length = fluid.frames[index], fluid.scene.extent[0]
-            dots.set_offsets(np.stack([frame.x, frame.y], axis=1))
-            dots.set_array(frame.u)
+            (x, y, u), length = self._beyond_the_ends(fluid, index), fluid.scene.extent[0]
+            dots.set_offsets(np.stack([x, y], axis=1))
+            dots.set_array(u)
             x = fluid.dye[index] % length
             gaps = np.flatnonzero(np.abs(np.diff(x)) > 0.5 * length) + 1
             line.set_data(np.insert(x, gaps, np.nan), np.insert(fluid.height, gaps, np.nan))

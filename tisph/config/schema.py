@@ -62,6 +62,11 @@ def _text(pattern: str, allowed: str) -> Any:
     return Annotated[str, AfterValidator(check)]
 
 
+NOUNS = {"circle": ("cylinder", "cylinders"), "ellipse": ("ellipse", "ellipses"), "polygon": ("polygon", "polygons")}
+NOUNS |= {"curve": ("body", "bodies")}
+COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+"""Words for types and numbers of bodies in titles."""
+
 FolderName = _text(
     r"(?!\.)[\w.-]{1,64}(?<!\.)",
     "a folder name: 1 to 64 letters, digits or . _ - without a dot at either end",
@@ -198,10 +203,14 @@ class Config(Model):
     """Whether the exact velocity is known at all times and places."""
 
     @property
+    def flow(self) -> str:
+        """The flow in words, for titles."""
+        return registry.summary("scenes", self.scene).partition(":")[0]
+
+    @property
     def heading(self) -> str:
-        """The title of pictures: ``title``, or scene and fluid in words."""
-        scene, fluid = registry.summary("scenes", self.scene), registry.summary("rheology", self.fluid.rheology.type)
-        return self.title or f"{scene.partition(':')[0]}, {fluid.partition(':')[0]}"
+        """The title of pictures: ``title``, or flow and fluid in words."""
+        return self.title or f"{self.flow}, {registry.summary('rheology', self.fluid.rheology.type).partition(':')[0]}"
 
     @model_validator(mode="wrap")
     @classmethod
@@ -282,6 +291,18 @@ class Config(Model):
         """Whether there is a freely moving body."""
         bodies = getattr(self, "bodies", ())
         return any(body.motion == "free" for body in (bodies if isinstance(bodies, tuple) else (bodies,)))
+
+    @property
+    def named_bodies(self) -> str:
+        """The bodies in words that begin a title, such as Two free cylinders; empty without bodies."""
+        bodies = getattr(self, "bodies", ())
+        if not isinstance(bodies, tuple):
+            return "Suspension"
+        nouns = {NOUNS.get(body.type, NOUNS["curve"]) for body in bodies}
+        noun, plural = nouns.pop() if len(nouns) == 1 else NOUNS["curve"]
+        kind, count = "free " * self.has_free_bodies, len(bodies)
+        text = f"{kind}{noun}" if count == 1 else f"{COUNTS.get(count, count)} {kind}{plural}"
+        return text[0].upper() + text[1:] if bodies else ""
 
     @property
     def has_open_ends(self) -> bool:

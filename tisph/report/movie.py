@@ -157,8 +157,9 @@ class _Stage:
         left, row = float(rect.left), rect.top - px(14)
         for name, colour in zip(panel.labels, panel.colours, strict=True):
             left = px(16) + self._right_end(self._text(left, row, name, size=14, va="center", color=colour))
-        if np.isfinite(panel.levels).any():
-            self._key_line(left, row, panel.series.level_name)
+        name = panel.series.level_name if np.isfinite(panel.levels).any() else panel.series.reference
+        if name:
+            self._key_line(left, row, name)
 
     def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""

@@ -33,7 +33,8 @@ class TimePanel:
         self.exact = None if exact is None else exact[:, :NUMBERS]
         levels = np.ravel(series.levels if exact is None else ())[:NUMBERS]
         self.levels = _scaled(series, levels) if len(levels) else levels
-        within = [*(ends or self._exact_ends()), *self.levels[np.isfinite(self.levels)]]
+        shown = [*(ends or ()), *(() if exact is None and ends else self._exact_ends())]
+        within = [*shown, *self.levels[np.isfinite(self.levels)]]
         if series.unit in ("energy", "velocity", "planar_flow_rate"):  # sizes are the content, not changes alone
             within.append(0.0)
         low, high = min(within), max(within)

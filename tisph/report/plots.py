@@ -222,9 +222,7 @@ def _looks(count: int) -> list[dict]:
     return [{"color": colour, "lw": width} for colour, width in zip(style.colours(count, 0.85), widths, strict=True)]
 
 
-def _plot(
-    axes: Axes, panel: Panel, snapshot: Snapshot, curve: tuple[np.ndarray, np.ndarray], look: dict
-) -> Line2D:
+def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, curve: tuple[np.ndarray, np.ndarray], look: dict) -> Line2D:
     """Draw one sample into one panel: particles pale behind the ``curve`` (coordinates, values); return its line."""
     profile, error = panel
     chosen = profile.line.particles(snapshot)

@@ -14,6 +14,7 @@ from tisph.scenes._views import MovieView, Profile
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _BEYOND, _ROOM = 0.05, 1.5  # share of the sum of sizes beyond L; colours end at so many L, or at the largest size
+_MOST = 0.99  # of the values are within the limits
 _FEW = 0.01  # share of the sum of sizes of the values of one sign: below it they count as none
 _DRAWN = 4000  # values of a frame that count
 _WHOLE = 0.98  # of the frames, where all values of a frame count: a start may be infinite
@@ -70,9 +71,9 @@ def quantity(
 def limits_of(values: np.ndarray) -> Ends:
     """Return the limits of the colours of ``values`` (n,), which are spread evenly over fluid and time.
 
-    Both are 1.5 L away from 0, or as far as the lowest and the highest value. L is the size with
-    sum max(0, |v| - L) = 0.05 sum |v|: fluid at rest, however much, does not lower it, and the infinite values at
-    corners and at starts do not raise it. Of values that are linear in space, the largest one is within the limits.
+    They are as far from 0 as the larger of 1.5 L and the 99 % quantile of |v|, or as the lowest and the highest value.
+    L is the size with sum max(0, |v| - L) = 0.05 sum |v|: fluid at rest, however much, does not lower it, and the
+    infinite values at corners and at starts do not raise it. Values that are linear in space are all within the limits.
     """
     values = values[np.isfinite(values)]
     if not values.any():
@@ -80,7 +81,7 @@ def limits_of(values: np.ndarray) -> Ends:
     size = np.sort(np.abs(values))[::-1]
     total = np.cumsum(size)
     beyond = total - size * np.arange(1, len(size) + 1)  # of L = size[k]
-    room = _ROOM * size[np.searchsorted(beyond, _BEYOND * total[-1], "right") - 1]
+    room = max(_ROOM * size[np.searchsorted(beyond, _BEYOND * total[-1], "right") - 1], np.quantile(size, _MOST))
     low, high = (float(min(room, max(0.0, (sign * values).max()))) for sign in (-1.0, 1.0))
     few = [np.maximum(0.0, sign * values).sum() <= _FEW * total[-1] for sign in (-1.0, 1.0)]
     return 0.0 if few[0] else -low, 0.0 if few[1] else high

@@ -17,6 +17,8 @@ from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
 from tisph.geometry.body import POINTS, Body, smallest_gap
+from tisph.geometry.circle import Circle
+from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.region import Region
@@ -230,7 +232,15 @@ class Cell(BodyScene):
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
-        return ("gravity", "acceleration", self.gravity) if any(self.gravity) else super().drive_shown
+        if any(self.gravity):
+            return "gravity", "acceleration", self.gravity
+        pulled = next((load for load in map(self._pull, self._free) if any(load)), None)
+        return ("force on a body", "force", pulled) if pulled else super().drive_shown
+
+    def _pull(self, index: int) -> tuple[float, float]:
+        """Return the force (2,) per length that a free body has, of its own or by its weight; 0 in a driven fluid."""
+        motion: Any = self.bodies[index].motion
+        return (0.0, 0.0) if self.acceleration and not any(self.gravity) else motion.inertia.load[:2]
 
     @property
     def solids(self) -> tuple[Body, ...]:
@@ -617,8 +627,9 @@ class Cell(BodyScene):
     def movie_series(self) -> TimeSeries:
         """Return forces on the bodies, or on the walls of a cell without bodies.
 
-        With free bodies: the distance of two, heights of the first ``SHOWN``; of many the relative viscosity in shear,
-        else mean velocities.
+        With free bodies: the distance of two; of many the relative viscosity in shear, else mean velocities. Of the
+        first ``SHOWN`` of few the velocities along their weight or force; in shear the angles of those that are not
+        round, one ellipse beside Jeffery's orbit; else the heights.
         """
         if not self.has_free_bodies:
             return self.time_series().only(("drag", "lift"), "force per length", "force")
@@ -626,10 +637,19 @@ class Cell(BodyScene):
             return self._distance_series()
         if self._means_only and self.mean_stress_names:
             return self._relative_viscosity_series()
-        kinds = ("bodies_mean_u", "bodies_mean_v") if self._means_only else ("y",)
+        pull, body = np.abs(self._pull(self._free[0])), self.bodies[self._free[0]]
+        orbit = None
+        if self._means_only:
+            kinds: tuple[str, ...] = ("bodies_mean_u", "bodies_mean_v")
+        elif pull.any():
+            kinds = ("u",) if pull[0] >= pull[1] else ("v",)
+        elif self.mean_stress_names and not isinstance(body.shape, Circle):
+            kinds, orbit = ("angle",), self._orbit(body)
+        else:
+            kinds = ("y",)
         found = [(kind, name) for kind, name in self._motion_columns if kind in kinds][:SHOWN]
         chosen = [f"{kind}{name}" for kind, name in found]
-        name, unit = self._motion_panels[kinds[0]]
+        name, unit = self._motion_panels.get(kinds[0], (f"{kinds[0]} of the body", "velocity"))
 
         def measure(snapshot: Snapshot) -> np.ndarray:
             values = self.free_motions(snapshot)
@@ -643,7 +663,36 @@ class Cell(BodyScene):
             columns=chosen,
             labels=[(self._label(*each), None) for each in found],
             measure=measure,
+            exact=orbit[0] if orbit else lambda times: None,
+            reference=orbit[1] if orbit else "",
         )
+
+    def _orbit(self, body: Body) -> tuple[Callable, str] | None:
+        """Return the angles (times, 1) of a free ellipse at times, and their name: Jeffery's orbit, without walls.
+
+        In steady shear of the rate G the angle phi of its half axis a to x obeys tan(psi) = (a/b) tan(phi) with
+        dpsi/dt = -G a b/(a^2 + b^2), if the fluid has no inertia. None for other shapes, walls and fluids.
+
+        Source: G. B. Jeffery, Proc. R. Soc. Lond. A 102 (1922) 161-179, in two dimensions.
+        """
+        motion: Any = body.motion
+        rate, steady = self._shear_rate(self.start_time), not any(wall.oscillates for _, wall in self.walls)
+        if not (isinstance(body.shape, Ellipse) and steady and rate and len(self._free) == 1 and not self.rheology):
+            return None
+        if motion.inertia.held[2]:
+            return None
+        a, b = body.shape.half_axes
+
+        def turned(angle: Any, a: float, b: float) -> Any:  # psi of phi, and phi of psi with a and b exchanged
+            sine, cosine = np.sin(angle), np.cos(angle)
+            return angle + np.arctan2((a - b) * sine * cosine, b * cosine**2 + a * sine**2)
+
+        def exact(times: np.ndarray) -> np.ndarray:
+            psi = turned(body.angle, a, b) - rate * a * b / (a**2 + b**2) * (times - self.start_time)
+            return turned(psi, b, a)[:, None]
+
+        period = 2.0 * math.pi * (a / b + b / a) / abs(rate)
+        return exact, f"Jeffery, without walls: period {period:.4g} {self.units.time}"
 
     def _distance_series(self) -> TimeSeries:
         """Return the distance between the centres of two free bodies, and their distance in contact if both are round.

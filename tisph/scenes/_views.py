@@ -117,8 +117,8 @@ class Profile:
     def interpolated(self, scene: Any, snapshot: Snapshot, coordinates: np.ndarray) -> np.ndarray:
         """Return the quantity at ``coordinates`` (n,) along the line, interpolated between particles (n,).
 
-        By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN within bodies, and
-        where the run has gone wrong.
+        By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN in bodies, and
+        after a run has gone wrong.
         """
         given = walled(scene, snapshot) if self.unit == "velocity" else snapshot
         places = np.stack([given.x, given.y], axis=1).astype(float)
@@ -163,9 +163,9 @@ class MovieView:
     """The quantity that colours the fluid in a movie, and the profile beside it.
 
     ``of``: function of a snapshot that returns the quantity. ``signed``: colours span minus to plus the largest
-    magnitude if it has both signs, else they start at 0. ``ends``: values that span the range of the profile in the run,
-    and ``values``, which are even over fluid and run, for the colours; None if only the frames show them. ``error``: name in a snapshot and in words of the field whose
-    error is written beside the movie; None for the velocity.
+    magnitude if it has both signs, else they start at 0. Ranges of the run: ``ends`` spans the profile, and ``values``,
+    which are even over fluid and time, give the limits of the colours; None if only the frames show them. ``error``:
+    name in a snapshot and in words of the field whose error is written beside the movie; None for the velocity.
     """
 
     name: str
@@ -191,6 +191,7 @@ class TimeSeries:
     axis, ``scale`` is the magnitude of the numbers. If the numbers are of different kinds, ``sizes`` are the magnitude
     of each, and ``panels`` the pair (name, unit) of the axes of each; numbers with the same pair share axes, and a
     number with None is not drawn. ``levels``: steady value of each number, NaN if unknown; ``level_name``: their name.
+    ``reference``: name of ``exact`` in pictures where it is that of another flow.
     """
 
     content: str
@@ -209,6 +210,7 @@ class TimeSeries:
     levels: Sequence[float] = ()
     drifting: Sequence[str] = ()
     level_name: str = "exact, when steady"
+    reference: str = ""
 
     def only(self, kinds: str | tuple[str, ...], name: str, unit: str) -> "TimeSeries":
         """Return the series of the numbers whose columns begin with one of ``kinds``."""
@@ -273,7 +275,7 @@ def _strain(scene: Any, snapshot: Snapshot) -> np.ndarray:
 
 
 def _contracted(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Return the double contraction (particles,) of two symmetric tensors (6, particles) in the order of ``_strain``."""
+    """Return the double contraction (particles,) of two symmetric tensors (6, particles), ordered as ``_strain``."""
     return (one * other * [[1.0], [1.0], [1.0], [2.0], [2.0], [2.0]]).sum(axis=0)
 
 

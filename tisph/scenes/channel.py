@@ -188,6 +188,24 @@ class Config(schema.Config):
         return not self.bodies and self.ends is None
 
     @property
+    def flow(self) -> str:
+        """See ``schema.Config.flow``."""
+        if self.bodies:
+            return f"{self.named_bodies} in a channel"
+        if self.ends:
+            return "Flow through a channel with open ends"
+        walls: Any = (self.walls.bottom, self.walls.top)
+        if any(wall.stress_controlled for wall in walls):
+            return "Plane shear under a given stress"
+        if any(wall.amplitude is not None for wall in walls):
+            return "Flow at an oscillating wall"
+        moving = any(wall.velocity or wall.velocity_before or wall.velocities for wall in walls)
+        driven = bool(self.drive.acceleration)
+        return {(True, False): "Plane Couette flow", (False, True): "Plane Poiseuille flow"}.get(
+            (moving, driven), "Plane Couette-Poiseuille flow" if moving else super().flow
+        )
+
+    @property
     def has_exact_velocity(self) -> bool:
         """Whether the exact velocity is known."""
         return self.parallel

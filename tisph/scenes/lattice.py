@@ -40,6 +40,11 @@ class Config(schema.Config):
     across_name = "the height"
 
     @property
+    def flow(self) -> str:
+        """See ``schema.Config.flow``."""
+        return f"{self.named_bodies} in a periodic cell"
+
+    @property
     def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.geometry.length, self.geometry.height

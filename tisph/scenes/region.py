@@ -263,6 +263,12 @@ class Config(schema.Config):
         return data
 
     @property
+    def flow(self) -> str:
+        """See ``schema.Config.flow``."""
+        place = "in a closed vessel" if self.walls.around else "between two walls"
+        return f"{self.named_bodies or 'Flow'} {place}"
+
+    @property
     def periodic(self) -> tuple[bool, bool]:
         """Whether the box is periodic in x and y."""
         return self.walls.around is None, False

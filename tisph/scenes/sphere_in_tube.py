@@ -112,6 +112,12 @@ class Config(_axisymmetric.Config):
     inner_radius: ClassVar[float] = 0.0
 
     @property
+    def flow(self) -> str:
+        """See ``schema.Config.flow``."""
+        sphere = self.geometry.half_length in (None, self.geometry.sphere_radius)
+        return f"{'Free ' * self.sphere.free}{'sphere' if sphere else 'spheroid'} in a tube".capitalize()
+
+    @property
     def outer_radius(self) -> float:
         """Radius of the tube [length]."""
         return self.geometry.tube_radius
@@ -185,6 +191,16 @@ class Scene(AxisymmetricScene):
         else:
             speeds.append(motion.x.largest_speed)
         return max(speeds)
+
+    @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """See ``Scene.drive_shown``: the force on a free sphere, a mean velocity that is kept, or the acceleration."""
+        motion = self.sphere.motion
+        if isinstance(motion, FreeMotion) and motion.inertia.load[0] and not self.acceleration:
+            return "force on the sphere", "whole_force", (motion.inertia.load[0], 0.0)
+        if self.kept_mean_velocity:
+            return "mean velocity", "velocity", (self.kept_mean_velocity, 0.0)
+        return super().drive_shown
 
     @property
     def peak_velocity(self) -> float:

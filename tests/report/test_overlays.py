@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from report_scene import END, Drawn, make_annulus, make_channel, make_snapshot, make_video
 
+from tisph import scenes
+from tisph.config import load
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
@@ -21,6 +23,14 @@ from tisph.report.overlays import Solids, Streamlines, Tracks, Vectors
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies, Snapshot
 
+CAVITY = """
+scene: cavity
+fluid: {density: 1.0, kinematic_viscosity: 0.01}
+geometry: {width: 1.0, height: 1.0}
+walls: {lid: {velocity: 1.0}}
+discretisation: {particles_across: 32}
+time: {end: 1.0}
+"""
 SHAPE = 160, 240
 SIZE = 1.5, 1.0
 HOLE = 0.7, 0.4, 0.2
@@ -158,9 +168,26 @@ def test_half_as_strong_a_flow_has_half_as_many_levels():
     u, v = np.sin(wave[0]) * np.cos(wave[1]), -np.cos(wave[0]) * np.sin(wave[1])
     streams = Streamlines(BOX, arrange(BOX, 640, 320))
     frames = [streams.measured(Snapshot(0.0, 0, *centre, s * u, s * v, nothing, nothing)) for s in (0.5, 1.0)]
-    levels = [np.arange(frame.ends[0] + 0.5 * streams.step, frame.ends[1], streams.step) for frame in frames]
-    assert [len(each) for each in levels] == [5, 10]
+    levels = [streams.levels(frame) for frame in frames]
+    assert [len(each) for each in levels] in ([4, 10], [6, 10])  # 2.5 steps to both sides, and 5
+    for each in levels:  # as many lines in vortices of both ways
+        assert np.allclose(each, -each[::-1], rtol=1e-12)
+        assert np.allclose(np.diff(each), streams.step, rtol=1e-12)
     assert len(streams.lines(frames[0])) < len(streams.lines(frames[1]))
+
+
+def test_a_stream_function_is_zero_on_walls(tmp_path):
+    """A vortex in a box, psi = sin^2(pi x) sin^2(pi y)/pi, has walls at rest; its mean would be 0.25/pi."""
+    (tmp_path / "cavity.yaml").write_text(CAVITY)
+    scene = scenes.of(load(tmp_path / "cavity.yaml"))
+    x, y = (np.ravel(each) for each in np.meshgrid(*2 * [(np.arange(32) + 0.5) / 32]))
+    sx, sy, sx2, sy2 = np.sin(np.pi * x), np.sin(np.pi * y), np.sin(2 * np.pi * x), np.sin(2 * np.pi * y)
+    nothing = np.zeros(x.size)
+    snapshot = Snapshot(0.0, 0, x, y, sx**2 * sy2, -sx2 * sy**2, nothing, nothing)
+    streams = Streamlines(scene, arrange(scene, 640, 320))
+    stream = streams.measured(replace(snapshot, bodies=Bodies.at(0.0, scene.bodies)))
+    assert stream.ends == pytest.approx((0.0, 1.0 / np.pi), abs=0.01)  # means of the nearest: second order
+    assert streams.levels(stream) == pytest.approx((np.arange(10) + 0.5) * streams.step)
 
 
 def test_as_much_flows_between_any_two_lines_of_vortices():

@@ -12,6 +12,7 @@ from tisph import scenes
 from tisph.config import load
 from tisph.geometry.motion import WallMotion
 from tisph.report.plots import history_figure, profile_figure
+from tisph.snapshot import Bodies, Snapshot
 
 PNG_SIZE = (1320, 720)
 
@@ -39,19 +40,25 @@ def history(channel, count, times):
     return {"count": count}, times, np.array([channel.exact_velocity(y, t) for t in times])
 
 
-def test_profiles_show_particles_on_the_exact_curve_and_their_error(tmp_path, figures):
-    channel = make_channel(rows=20)
-    profile_figure(channel, [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)]).save(tmp_path / "profiles.png")
+def test_profiles_show_the_interpolated_profile_on_the_exact_curve_and_its_error(tmp_path, figures):
+    channel = make_channel(rows=20, initial_state="developed")
+    snapshots = [make_snapshot(channel, t, slip=1e-3) for t in (1.8, 20.0)]
+    profile_figure(channel, snapshots).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == PNG_SIZE
     velocity, error = figures[0].axes
-    dots, curve = velocity.lines[:2]
+    dots, line, curve = velocity.lines[:3]
     u, y = dots.get_data()
     assert np.allclose(u - channel.exact_velocity(y, 1.8), 1e-3 * channel.reference_velocity, rtol=1e-9)
+    u, y = line.get_data()
+    assert np.array_equal(u, channel.profiles()[0].interpolated(channel, snapshots[0], y))
+    # the developed flow is linear, which fits of degree 4 represent up to rounding
+    assert np.allclose(u, channel.exact_velocity(y, 1.8) + 1e-3 * channel.reference_velocity, rtol=0, atol=1e-12)
     u, y = curve.get_data()
     assert np.array_equal(u, channel.exact_velocity(y, 1.8))
     assert (y[0], y[-1]) == (0.0, channel.gap)
-    assert np.allclose(error.lines[0].get_xdata(), 1e-3, rtol=1e-9)
-    assert legend_texts(figures[0])[0].startswith("t = 1.8 s,  t* = 0.018,  L2 error 3.")
+    for drawn in error.lines[:2]:
+        assert np.allclose(drawn.get_xdata(), 1e-3, rtol=1e-7)
+    assert legend_texts(figures[0])[0].startswith("t = 1.8 s,  t* = 0.018,  L2 error")
 
 
 def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path, figures):
@@ -63,12 +70,14 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
     shear, normal = figures[0].axes[2:]
     for index, t in enumerate((0.5, 5.0)):
         for axes, component, shift in ((shear, 1, 1e-5), (normal, 0, -3e-5)):
-            dots, curve = axes.lines[2 * index : 2 * index + 2]
-            stress, y = dots.get_data()
-            # Stresses of 4e-4 in doubles: 1e-19 of rounding in each.
-            assert np.allclose(stress - channel.exact_polymer_stress(y, t)[component], shift, rtol=0, atol=1e-18)
+            dots, line, curve = axes.lines[3 * index : 3 * index + 3]
+            for drawn in (dots, line):
+                stress, y = drawn.get_data()
+                # Stresses of 4e-4 in doubles: 1e-19 of rounding in each, some hundred times as much in the fits.
+                assert np.allclose(stress - channel.exact_polymer_stress(y, t)[component], shift, rtol=0, atol=1e-16)
             stress, y = curve.get_data()
-            assert np.array_equal(stress, channel.exact_polymer_stress(y, t)[component])
+            # their line is as at the particles: the bounds of rounding are the fits' again
+            assert np.allclose(stress, channel.exact_polymer_stress(y, t)[component], rtol=0, atol=1e-18)
     assert [axes.get_xlabel().split(" [")[0] for axes in (shear, normal)] == [
         "polymer shear stress Sxy",
         "first normal stress difference N1 = Sxx \N{MINUS SIGN} Syy",
@@ -78,10 +87,24 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
 def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
     channel = make_channel(initial_state="developed")
     profile_figure(channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)]).save(tmp_path / "profiles.png")
-    dots = figures[0].axes[0].lines[0:6:2]
-    sizes = [line.get_markersize() for line in dots]
-    assert np.all(np.diff(sizes) < -1.0)  # later ones lie on top and leave a rim, half a point wide, of the earlier
-    assert len({line.get_marker() for line in dots}) == 3
+    lines = figures[0].axes[0].lines[1:9:3]
+    assert np.all(np.diff([line.get_linewidth() for line in lines]) < -1.0)  # later ones leave a rim of the earlier
+    assert len({tuple(line.get_color()) for line in lines}) == 3
+
+
+def test_profiles_meet_the_walls_of_bodies_and_have_gaps_in_them(tmp_path):
+    """A velocity that is quadratic in x and y and 0 on the wall of the cylinder, as fits of degree 6 represent it."""
+    scene = lattice(tmp_path)
+    x, y = (np.ravel(each) for each in np.meshgrid(*2 * [(np.arange(32) + 0.5) / 32]))
+    squared = (x - 0.5) ** 2 + (y - 0.5) ** 2
+    fluid = squared > 0.25**2
+    rest = np.zeros(fluid.sum())
+    snapshot = Snapshot(0.0, 0, x[fluid], y[fluid], squared[fluid] - 0.25**2, rest, rest, rest)
+    snapshot = replace(snapshot, bodies=Bodies.at(0.0, scene.bodies))
+    profile, height = scene.profiles()[0], np.array([0.2, 0.22, 0.25, 0.3, 0.5])
+    found = profile.interpolated(scene, snapshot, height)
+    assert found[:3] == pytest.approx((height[:3] - 0.5) ** 2 - 0.25**2, abs=1e-12)
+    assert np.isnan(found[3:]).all()
 
 
 def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):

@@ -20,8 +20,9 @@ from report_scene import (
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.labels import error_label
-from tisph.report.quantities import Extremes
+from tisph.report.quantities import Extremes, Spread, limits_of
 from tisph.scenes.channel import Channel
+from tisph.snapshot import Snapshot
 
 DEVELOPED = {"initial_state": "developed"}
 PARABOLA = 2e-3 * 0.01**2 / 8e-6  # largest speed g H^2/(8 nu) of the developed driven flow
@@ -61,19 +62,23 @@ def test_profile_axis_shows_all_of_an_oscillation(frequency):
     assert speed.profile_range == pytest.approx((-1.16 * 0.005, 1.16 * 0.005), rel=0.01)
 
 
-def test_range_covers_what_the_fluid_does_before_a_wall_stops():
+def test_colours_of_a_stopped_flow_follow_most_of_its_run_and_the_profile_shows_all():
     channel = make_channel(top=WallMotion(0.0, before=0.005), **DEVELOPED)
-    assert shown("speed", channel, end=20.0).colour_range == (0.0, 0.005)
+    view, speed = channel.movie_view("speed", 20.0), shown("speed", channel, end=20.0)
+    beyond = np.mean(np.abs(view.values) > speed.colour_range[1])
+    assert 0.0 < beyond < 0.01  # by construction; in whole, the colours of most frames would be those of rest
+    assert speed.colour_range[1] < 0.75 * 0.005
+    assert speed.profile_range[1] > 0.005
 
 
-def test_range_covers_an_early_overshoot():
+def test_profile_axis_covers_an_early_overshoot():
     class Overshooting(Channel):
         def exact_velocity(self, y, t):
             return 0.005 * (1.0 + 1.8 * np.exp(-(((t - 1.0) / 0.5) ** 2))) + 0.0 * np.asarray(y)
 
     channel = Overshooting(**vars(make_channel()))
     # Around t = 1 the times are 0.3 apart: within 0.15 of the peak, exp(-0.09) = 0.91 of the overshoot.
-    assert shown("speed", channel, end=100.0).colour_range[1] >= 0.005 * (1.0 + 1.8 * 0.91)
+    assert shown("speed", channel, end=100.0).profile_range[1] >= 0.005 * (1.0 + 1.8 * 0.91)
 
 
 def test_run_that_ends_before_anything_moves_has_axes_all_the_same():
@@ -87,8 +92,11 @@ def test_shear_stress_is_centred_at_zero_and_reaches_what_the_run_reaches():
     channel = make_polymer_channel()
     for end, largest in ((0.5, 2e-4), (5.0, 4e-4)):
         stress = shown("shear_stress", channel, end)
-        assert stress.colour_range == (-largest, largest)
-        assert stress.profile_range == pytest.approx((-1.16 * largest, 1.16 * largest))
+        # linear in y, but growing in time up to t = 1: a tenth of the colours may be cut off
+        low, high = stress.colour_range
+        assert low == -high
+        assert 0.9 * largest < high <= largest
+        assert stress.profile_range == pytest.approx((-1.16 * high, 1.16 * high), rel=0.01)
     assert stress.unit == "Pa"
 
 
@@ -157,19 +165,55 @@ def test_limits_of_the_config_hold():
     assert shown("speed", make_channel(), 20.0, (0.001, 0.002)).colour_range == (0.001, 0.002)
 
 
-def test_limits_leave_out_what_stands_out_and_are_reached():
+def test_limits_of_colours_come_from_the_whole_field_and_run():
+    line = np.linspace(-1.0, 1.0, 1001)
+    assert limits_of(line) == (-1.0, 1.0)  # linear values are shown as far as they go
+    outlier = [1e3, np.nan, np.inf]  # one number of 2000
+    assert limits_of(np.concatenate([line, line, outlier])) == (-1.0, pytest.approx(1.0, abs=0.2))
+    # fluid at rest does not lower them: a vortex has the same in a box four times as large
+    vortex = 1.0 / (np.hypot(*np.mgrid[-2:2:81j, -2:2:81j]).ravel() + 0.1)
+    alone, padded = limits_of(vortex)[1], limits_of(np.concatenate([vortex, np.zeros(3 * vortex.size)]))[1]
+    assert alone == padded < vortex.max()
+    assert np.maximum(0.0, vortex - alone / 1.5).sum() == pytest.approx(0.05 * vortex.sum(), rel=0.02)
+    assert limits_of(-vortex) == (-alone, 0.0)
+    assert limits_of(np.concatenate([vortex, [-1e-6]]))[0] == 0.0  # 1e-6 of the other sign is none
+    assert limits_of(np.zeros(3)) == limits_of(np.empty(0)) == (0.0, 0.0)
+
+
+def test_limits_come_from_all_frames_alike():
+    spread = Spread()
+    for size in (0.2, 0.6, 1.0):
+        spread.add(size * np.linspace(-1.0, 1.0, 10001))
+    frames = np.concatenate([size * np.linspace(-1.0, 1.0, 10001) for size in (0.2, 0.6, 1.0)])
+    assert spread.ends == pytest.approx(limits_of(frames), rel=1e-2)  # of evenly chosen values
     extremes = Extremes()
-    for size in (*np.ones(19), 100.0):  # one frame, and one particle of a thousand in each, is at a corner
-        values = size * np.linspace(-1.0, 1.0, 1001)
-        values[500] = 1e3
-        extremes.add(values)
-    assert extremes.ends == pytest.approx((-0.96, 0.96), rel=0.01)  # 98 % of a line from -1 to 1
-    extremes = Extremes(whole=True)
-    extremes.add(np.array([-3.0, 0.0, 2.0]))
+    extremes.add(np.array([-3.0, 0.0, np.nan, 2.0]))
     assert extremes.ends == (-3.0, 2.0)
-    extremes = Extremes()
-    extremes.add(np.array([np.nan]))
-    assert extremes.ends == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("rheology", ["newtonian", "power_law", "oldroyd_b"])
+def test_rate_viscosity_and_stress_of_simple_shear(rheology):
+    """Of u = 0.5 y: rate 0.5, viscosity mu or K rate^(n-1), or of the solvent and S/rate; fits are exact for them."""
+    from polymer_laws import oldroyd_b
+
+    from tisph import registry
+
+    fluid = oldroyd_b(2.0, 0.5) if rheology == "oldroyd_b" else {}
+    if rheology == "power_law":
+        parameters = registry.load("rheology", "power_law").Parameters
+        fluid = {"rheology": parameters(index=0.5, reference_rate=1.0, least_rate=1e-6)}
+    channel = make_channel(rows=20, **fluid)
+    x, y = channel.lattice()
+    none, stress = np.zeros_like(x), np.full(x.shape, 3e-4)
+    polymer = {"stress_xx": none, "stress_xy": stress, "stress_yy": none} if channel.polymer else {}
+    snapshot = Snapshot(1.0, 0, x, y, 0.5 * y, none, none, none, **polymer)
+    law = channel.viscous_stress(0.5) / 0.5  # solvent, or inelastic fluid
+    expected = {"shear_rate": 0.5, "viscosity": law, "shear_stress": law * 0.5}
+    if channel.polymer:
+        expected |= {"viscosity": law + 3e-4 / 0.5, "shear_stress": 3e-4}
+    for name, value in expected.items():
+        found = channel.movie_view(name, 1.0).of(snapshot)
+        assert np.allclose(found, value, rtol=1e-9)
 
 
 def test_a_field_fills_the_fluid_with_the_colours_of_its_values():

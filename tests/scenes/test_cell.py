@@ -333,3 +333,58 @@ def test_divergent_velocities_are_not_resolved(tmp_path):
     samples.observe(snapshot)
     samples.close()
     assert read_samples(tmp_path / "samples.h5")[0].divergence == 0.08
+
+
+def scene_of(name):
+    return scenes.of(load(CONFIGS / f"{name}.yaml"))
+
+
+def test_the_movie_of_an_ellipse_in_shear_shows_its_angle_beside_jefferys():
+    series = scene_of("jeffery_orbit").movie_series()
+    assert series.columns == ["angle"]
+    assert series.reference == "Jeffery, without walls: period 15.71 s"
+    times = np.linspace(0.0, 2.0 * np.pi * 2.5, 2001)  # a whole turn
+    angle = series.exact(times)[:, 0]
+    # dphi/dt = -G (a^2 sin^2 phi + b^2 cos^2 phi)/(a^2 + b^2), G = 1; central differences are off by 1e-5
+    expected = -(0.2**2 * np.sin(angle) ** 2 + 0.1**2 * np.cos(angle) ** 2) / 0.05
+    assert np.allclose(np.gradient(angle, times)[1:-1], expected[1:-1], atol=5e-5)
+    assert angle[[0, -1]] == pytest.approx([0.5 * np.pi, -1.5 * np.pi], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "columns", "drive"),
+    [
+        ("settling_disc", ["u"], ("gravity", (981.0, 0.0))),
+        ("drafting_kissing_tumbling", ["distance"], ("gravity", (981.0, 0.0))),
+        ("migration", ["y"], ("drive", (0.0, 0.0))),
+        ("segre_silberberg", ["y"], ("drive", (2.337e-4, 0.0))),
+        ("falling_ball", ["velocity"], ("force on the sphere", (-0.5, 0.0))),
+    ],
+)
+def test_movies_show_the_motion_that_a_case_is_about_and_its_cause(name, columns, drive):
+    scene = scene_of(name)
+    assert scene.movie_series().columns == columns
+    assert (scene.drive_shown[0], scene.drive_shown[2]) == drive
+
+
+@pytest.mark.parametrize(
+    ("name", "flow"),
+    [
+        ("cylinder_in_channel", "Cylinder in a channel"),
+        ("jeffery_orbit", "Free ellipse in a channel"),
+        ("drafting_kissing_tumbling", "Two free cylinders in a channel"),
+        ("suspension", "Suspension in a channel"),
+        ("turned_box", "Cylinder in a closed vessel"),
+        ("cylinder_lattice", "Cylinder in a periodic cell"),
+        ("falling_ball", "Free sphere in a tube"),
+        ("couette", "Plane Couette flow"),
+        ("poiseuille", "Plane Poiseuille flow"),
+        ("couette_poiseuille_backflow", "Plane Couette-Poiseuille flow"),
+        ("ringing_plate", "Plane shear under a given stress"),
+        ("oscillating_wall_fast", "Flow at an oscillating wall"),
+    ],
+)
+def test_titles_name_the_flow(name, flow):
+    config = load(CONFIGS / f"{name}.yaml")
+    assert config.flow == flow
+    assert config.heading.startswith(config.title or f"{flow}, ")

@@ -211,7 +211,9 @@ def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigur
         references = dict.fromkeys(profile.reference for profile, _ in panels if profile.exact)
         if references:
             axes[0].plot([], [], "-", color=style.TEXT, linewidth=0.9, label=", ".join(references))
-        legend = figure.legend(loc="lower center", ncols=3, frameon=False, fontsize=10)
+        legend = figure.legend(
+            loc="lower center", ncols=3, frameon=False, fontsize=10, handlelength=1.2, columnspacing=1.2
+        )
         set_margins(figure, grid, legend, below=True)
     return figure
 

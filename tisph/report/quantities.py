@@ -15,6 +15,7 @@ from tisph.scenes._views import MovieView, Profile
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
 _BEYOND, _ROOM = 0.05, 1.5  # share of the sum of sizes beyond L; colours end at so many L, or at the largest size
 _MOST = 0.99  # of the values are within the limits
+_SANE = 0.999  # of the sizes; larger ones, which may be infinite, count as the largest of these
 _FEW = 0.01  # share of the sum of sizes of the values of one sign: below it they count as none
 _DRAWN = 4000  # values of a frame that count
 _WHOLE = 0.98  # of the frames, where all values of a frame count: a start may be infinite
@@ -72,13 +73,15 @@ def limits_of(values: np.ndarray) -> Ends:
     """Return the limits of the colours of ``values`` (n,), which are spread evenly over fluid and time.
 
     They are as far from 0 as the larger of 1.5 L and the 99 % quantile of |v|, or as the lowest and the highest value.
-    L is the size with sum max(0, |v| - L) = 0.05 sum |v|: fluid at rest, however much, does not lower it, and the
-    infinite values at corners and at starts do not raise it. Values that are linear in space are all within the limits.
+    L is the size with sum max(0, |v| - L) = 0.05 sum |v|: fluid at rest, however much, does not lower it, and high
+    values at corners and at starts hardly raise it. Of |v| larger ones than the 99.9 % quantile count as that. Values
+    that are linear in space are within the limits.
     """
     values = values[np.isfinite(values)]
     if not values.any():
         return 0.0, 0.0
     size = np.sort(np.abs(values))[::-1]
+    size = np.minimum(size, np.quantile(size, _SANE))
     total = np.cumsum(size)
     beyond = total - size * np.arange(1, len(size) + 1)  # of L = size[k]
     room = max(_ROOM * size[np.searchsorted(beyond, _BEYOND * total[-1], "right") - 1], np.quantile(size, _MOST))

@@ -143,9 +143,9 @@ BAD = [
     (["drive.acceleration=.nan"], "drive.acceleration = NaN", "must be a finite number"),
     (["drive.acceleration=fast"], 'drive.acceleration = "fast"', "must be a number"),
     (
-        ["output.video={color_by: shear_stress}"],
-        'output.video.color_by = "shear_stress"',
-        "must be 'speed', 'u', 'error' or 'dye'",
+        ["output.video={color_by: swirl}"],
+        'output.video.color_by = "swirl"',
+        "must be 'speed', 'u', 'shear_rate', 'shear_stress', 'viscosity', 'error' or 'dye'",
     ),
     (["output.video={color_by: pressure}"], 'output.video.color_by = "pressure"', "must be 'speed', 'u',"),
     (["fluid.rheology={type: oldroyd_b, solvent_fraction: 0.1}"], "fluid.rheology.relaxation_time", "is missing"),

@@ -74,7 +74,7 @@ BAD = [
     ("time.samples=[0.5, 2.5]", ["time.samples.1 = 2.5: must be inside the run, 0 to 2"]),
     (
         "output.video.color_by=conformation_trace",
-        ["must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_stress',"],
+        ["must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_rate', 'shear_stress',"],
     ),
     ("output.video.color_by=vorticty", ["'error' or 'dye'; nearest: vorticity"]),
 ]

@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,6 +23,8 @@ from tisph.report.labels import error_label
 from tisph.report.plots import profile_figure
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot
+
+CONFIGS = Path(__file__).parents[2] / "configs"
 
 LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
 LATTICE = f"""
@@ -335,12 +338,12 @@ def test_divergent_velocities_are_not_resolved(tmp_path):
     assert read_samples(tmp_path / "samples.h5")[0].divergence == 0.08
 
 
-def scene_of(name):
+def shipped(name):
     return scenes.of(load(CONFIGS / f"{name}.yaml"))
 
 
 def test_the_movie_of_an_ellipse_in_shear_shows_its_angle_beside_jefferys():
-    series = scene_of("jeffery_orbit").movie_series()
+    series = shipped("jeffery_orbit").movie_series()
     assert series.columns == ["angle"]
     assert series.reference == "Jeffery, without walls: period 15.71 s"
     times = np.linspace(0.0, 2.0 * np.pi * 2.5, 2001)  # a whole turn
@@ -362,7 +365,7 @@ def test_the_movie_of_an_ellipse_in_shear_shows_its_angle_beside_jefferys():
     ],
 )
 def test_movies_show_the_motion_that_a_case_is_about_and_its_cause(name, columns, drive):
-    scene = scene_of(name)
+    scene = shipped(name)
     assert scene.movie_series().columns == columns
     assert (scene.drive_shown[0], scene.drive_shown[2]) == drive
 

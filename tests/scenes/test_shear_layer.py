@@ -123,7 +123,10 @@ BAD = [
     ("geometry.cells=[2, 1]", "geometry.cells = [2, 1]: unknown key; allowed: length"),
     ("discretisation={spacing: 0.03}", "must divide the side 2"),
     ("time.samples=[5.0]", "must be inside the run, 0 to 4"),
-    ("output.video.color_by=error", "must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_stress' or 'dye'"),
+    (
+        "output.video.color_by=error",
+        "must be 'speed', 'u', 'v', 'vorticity', 'pressure', 'shear_rate', 'shear_stress', 'viscosity' or 'dye'",
+    ),
 ]
 
 

@@ -161,7 +161,7 @@ def lines_of(u, v):
     return lines(BOX, Snapshot(0.0, 0, x, y, u(x, y) + nothing, v(x, y) + nothing, nothing, nothing))
 
 
-def test_a_weaker_flow_has_fewer_levels_as_many_on_both_sides_of_zero():
+def test_a_weaker_flow_has_fewer_levels_symmetric_about_zero():
     """The step of the stream function stays that of the strongest frame, whichever frame is drawn first."""
     centre = (np.indices((ACROSS, ACROSS)).reshape(2, -1) + 0.5) / ACROSS
     wave, nothing = 2 * np.pi * centre, np.zeros(ACROSS**2)

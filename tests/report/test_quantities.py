@@ -62,7 +62,7 @@ def test_profile_axis_shows_all_of_an_oscillation(frequency):
     assert speed.profile_range == pytest.approx((-1.16 * 0.005, 1.16 * 0.005), rel=0.01)
 
 
-def test_colours_of_a_stopped_flow_follow_most_of_its_run_and_the_profile_shows_all():
+def test_colours_of_a_stopped_flow_follow_most_of_its_run():
     channel = make_channel(top=WallMotion(0.0, before=0.005), **DEVELOPED)
     view, speed = channel.movie_view("speed", 20.0), shown("speed", channel, end=20.0)
     beyond = np.mean(np.abs(view.values) > speed.colour_range[1])
@@ -175,7 +175,7 @@ def test_limits_of_colours_come_from_the_whole_field_and_run():
     alone, padded = limits_of(vortex)[1], limits_of(np.concatenate([vortex, np.zeros(3 * vortex.size)]))[1]
     # the 99.9 % quantile, beyond which sizes are cut off, is all that sees the fluid at rest
     assert 0.75 * alone < padded < vortex.max()
-    assert np.quantile(np.concatenate([vortex, np.zeros(3 * vortex.size)]), 0.98) < 0.5 * padded
+    assert np.quantile(np.concatenate([vortex, np.zeros(3 * vortex.size)]), 0.98) < 0.6 * padded
     assert limits_of(-vortex) == (-alone, 0.0)
     assert limits_of(np.concatenate([vortex, [-1e-6]]))[0] == 0.0  # 1e-6 of the other sign is none
     assert limits_of(np.zeros(3)) == limits_of(np.empty(0)) == (0.0, 0.0)

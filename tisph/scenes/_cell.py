@@ -683,13 +683,13 @@ class Cell(BodyScene):
             return None
         a, b = body.shape.half_axes
 
-        def turned(angle: Any, a: float, b: float) -> Any:  # psi of phi, and phi of psi with a and b exchanged
+        def rotated(angle: Any, a: float, b: float) -> Any:  # psi of phi, and phi of psi with a and b exchanged
             sine, cosine = np.sin(angle), np.cos(angle)
             return angle + np.arctan2((a - b) * sine * cosine, b * cosine**2 + a * sine**2)
 
         def exact(times: np.ndarray) -> np.ndarray:
-            psi = turned(body.angle, a, b) - rate * a * b / (a**2 + b**2) * (times - self.start_time)
-            return turned(psi, b, a)[:, None]
+            psi = rotated(body.angle, a, b) - rate * a * b / (a**2 + b**2) * (times - self.start_time)
+            return rotated(psi, b, a)[:, None]
 
         period = 2.0 * math.pi * (a / b + b / a) / abs(rate)
         return exact, f"Jeffery, without walls: period {period:.4g} {self.units.time}"

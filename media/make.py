@@ -39,7 +39,7 @@ MOVIES = {
     "oldroyd_b_couette": (0.7, ["output.video.style=field"]),  # the shear wave has just crossed the gap
     "taylor_green": (0.5, []),
     "circular_couette": (0.1, []),  # the outer cylinder begins to feel it
-    "cylinder_in_channel": (9.0, ["output.video.overlay=streamlines"]),
+    "cylinder_in_channel": (29.0, ["output.video.overlay=streamlines"]),
     "eccentric_annulus": (25.0, DYED),
     "drafting_kissing_tumbling": (13.0, []),  # they tumble
     "suspension": (6.5, []),

@@ -32,6 +32,13 @@ of 1.73e-3 instead of 1.61e-3; with 0.03 it scatters too much to count as steady
 MOST_ATTEMPTS = 20
 """At one step, before a run is given up."""
 
+SCATTERED, REMEMBERED = 8.0, 0.99
+"""Steps over which the roughness of velocities in time is a mean, and part of their scatter that a later step keeps."""
+
+ABOVE_SCATTER = 4.0
+"""Tolerance over the scatter of velocities. Steps stay as long with an error of 0.66 of the tolerance (``SAFETY``): with
+this number they grow by a quarter each while their error is scatter alone."""
+
 
 class Kept:
     """An object whose attributes named in ``kept``, data that JSON can hold, are part of a checkpoint."""
@@ -59,9 +66,13 @@ class StepControl(Kept):
     their error. ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which a wall
     velocity, a drive or a body force jumps; up to the last target they are targets as well. ``share``: least error of
     a step over the error of the spacing (``SHARE``).
+
+    ``roughness``: mean logarithm of the last differences of velocities from extrapolated ones over those of one order
+    less. Differences fall with the order if velocities are smooth in time at the length of a step, and grow if they
+    scatter from step to step; then shorter steps are no more exact. ``scatter``: error that is due to scatter.
     """
 
-    kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected"
+    kept = "dt_next", "targets", "cut_by", "last_rejected", "rejected", "roughness", "scatter"
 
     def __init__(
         self,
@@ -83,6 +94,7 @@ class StepControl(Kept):
         self.cut_by: float | None = None
         self.last_rejected: tuple[float, float] | None = None
         self.rejected = 0
+        self.roughness, self.scatter = -1.0, 0.0
 
     def set_targets(self, targets: Sequence[float], time: float) -> bool:
         """Go on from ``time`` to these targets; return whether no others have cut steps so far."""
@@ -136,7 +148,8 @@ class StepControl(Kept):
         spacing velocities that are transferred with a shift are uneven, whatever comes next."""
         factor = self.largest_factor
         if not self.fixed:
-            ratio = max(error / max(self.tolerance, self.share * (unresolved or 0.0)), 1e-12)
+            least = max(self.share * (unresolved or 0.0), ABOVE_SCATTER * self.scatter)
+            ratio = max(error / max(self.tolerance, least), 1e-12)
             factor = min(factor, max(SMALLEST_FACTOR, SAFETY * ratio ** (-1 / (order + 1))))
             if ratio > REJECTED:
                 before, self.last_rejected = self.last_rejected, (dt, error)
@@ -149,6 +162,11 @@ class StepControl(Kept):
         if self.multistep or dt >= 0.999 * self.dt_next or factor < 1.0:
             self.dt_next = dt * factor
         return True
+
+    def notice_scatter(self, error: float, roughness: float) -> None:
+        """Take note of the ``error`` and the ``roughness``, of which -1 to 1 count, of a step that was accepted."""
+        self.roughness += (min(1.0, max(-1.0, roughness)) - self.roughness) / SCATTERED
+        self.scatter = max(REMEMBERED * self.scatter, error if self.roughness > 0.0 else 0.0)
 
     def step_taken(self, time: float, measured: float) -> None:
         """Count a step that ended at ``time``; the limit of the next one depends on the ``measured`` number."""

@@ -33,7 +33,8 @@ class Equations:
 
     ``extrapolated`` (points,): velocities extrapolated to the end of the step, from which the solvers start and from
     which the error is estimated. ``together``: whether one system, of ``stokes``, is solved for everything.
-    ``iterations``: of both solvers in the present step.
+    ``iterations``: of both solvers in the present step. ``may_scatter``: whether velocities follow the places of
+    particles or bodies at once, and scatter from step to step as those do; then differences of lower order are known.
     """
 
     def __init__(
@@ -67,7 +68,9 @@ class Equations:
         self.forcing, self.extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
-        self.difference_squared = scalar(0.0)
+        self.may_scatter = problem.contact is not None or not problem.inertia
+        self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
+        self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
         self.iterations = [0.0, 0.0]
 
     def begin_step(self, weights: TimeWeights, alpha: np.ndarray) -> None:
@@ -75,6 +78,7 @@ class Equations:
         view(self.alpha)[...] = alpha
         view(self.beta)[...] = weights.extrapolation(VELOCITIES)
         view(self.beta_pressure)[...] = weights.extrapolation(PRESSURES)
+        view(self.beta_lower)[...] = weights.lower_extrapolation()
         self.iterations = [0.0, 0.0]
         self.sum_levels()
 
@@ -124,10 +128,12 @@ class Equations:
             found = found[len(block.load) :]
         return solved
 
-    def error(self) -> float:
-        """Return the root mean square of the difference of the new from the extrapolated velocities."""
+    def error(self) -> tuple[float, float]:
+        """Return the root mean square difference of the new from the extrapolated velocities, and of lower order."""
         self.sum_difference()
-        return math.sqrt(float(view(self.difference_squared)) / int(view(self.points.n_fluid)))
+        n_fluid = int(view(self.points.n_fluid))
+        difference, lower = (float(view(each)) / n_fluid for each in (self.difference_squared, self.lower_squared))
+        return math.sqrt(difference), math.sqrt(lower)
 
     def begin(self, viscosity: float, tolerance: float, forced: bool, couplings: Sequence[Coupling]) -> bool:
         """Solve L p = div f - grad u : grad u for the pressure of the first velocities; return whether it was solved.
@@ -228,8 +234,13 @@ class Equations:
         """Sum the squares of the differences from the extrapolated velocities, in a fixed order."""
         ti.loop_config(serialize=True)
         for _ in range(1):
-            total = 0.0
+            total, lower = 0.0, 0.0
             for i in range(self.points.n_fluid[None]):
                 square = self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
                 total += self.boundary.judged(i, square)
-            self.difference_squared[None] = total
+                if ti.static(self.may_scatter):
+                    rest = self.velocity.x[i]
+                    for level in ti.static(range(VELOCITIES - 1)):
+                        rest -= self.beta_lower[level] * self.levels.carried(level, i)
+                    lower += self.boundary.judged(i, self.coordinates.squared(i, rest))
+            self.difference_squared[None], self.lower_squared[None] = total, lower

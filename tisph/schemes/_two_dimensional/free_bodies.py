@@ -237,6 +237,7 @@ class FreeBodies:
         levels = [np.array([motion.velocities[level] for motion in self.motions]) for level in range(self.depth)]
         self.known = sum(weight * level for weight, level in zip(alpha, levels, strict=False))
         self.extrapolated = np.array([motion.extrapolated(time) for motion in self.motions])
+        self.lower = sum(weight * level for weight, level in zip(times.lower_extrapolation(), levels, strict=False))
         loads, self.touching, self.gaps = self.contact.loads(time)
         self.pushes = loads[self.index, :3] / self.density
         self.begin(self.extrapolated.copy(), self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
@@ -316,9 +317,11 @@ class FreeBodies:
         """Whether bodies overlap at the end of the present step."""
         return min(self.gaps.values(), default=1.0) <= 0.0
 
-    def difference(self) -> float:
-        """Return the largest difference of a body's velocities from those extrapolated."""
-        return float(np.abs(self.arm * (self.velocities - self.extrapolated)).max())
+    def difference(self) -> tuple[float, float]:
+        """Return the largest difference of a body's velocities from those extrapolated, and the one of lower order."""
+        both = np.abs(self.arm * (self.velocities - np.stack([self.extrapolated, self.lower]))).reshape(2, -1)
+        largest = both[0].argmax()
+        return float(both[0, largest]), float(both[1, largest])
 
     def state(self) -> dict[str, Any]:
         """Return the numbers that a resumed run needs."""
@@ -511,9 +514,9 @@ class FreeBodyCoupling:
         equations.set_wall_velocity(boundary.solver_velocity())
         return False
 
-    def error(self) -> float:
-        """Return the error of the step in the bodies' velocities; infinite where these have not converged."""
-        return self.bodies.difference() if self.bodies.converged <= self.allowed else math.inf
+    def error(self) -> tuple[float, float]:
+        """Return the differences of the bodies' velocities; infinite where these have not converged."""
+        return self.bodies.difference() if self.bodies.converged <= self.allowed else (math.inf, math.inf)
 
     def store(self, time: float) -> None:
         """Store the velocities of the bodies at the ``time`` at the end of a step."""

@@ -113,9 +113,9 @@ class MeanVelocityControl:
         self._accelerate(equations, self.acceleration + (wanted - mean) / (self.response * self.scale))
         return False
 
-    def error(self) -> float:
-        """Return 0: a step has no error of its own in the mean velocity."""
-        return 0.0
+    def error(self) -> tuple[float, float]:
+        """Return zeros: a step has no error of its own in the mean velocity."""
+        return 0.0, 0.0
 
     def store(self, time: float) -> None:
         """Store the acceleration of the step as the newest level."""

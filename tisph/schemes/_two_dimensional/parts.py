@@ -252,8 +252,11 @@ class Coupling(Protocol):
     def correct(self, equations: "Equations") -> bool:
         """Correct the unknowns by the flow of the last outer iteration; return whether they had converged."""
 
-    def error(self) -> float:
-        """Return the error of the step in the unknowns [velocity]; infinite where they have not converged."""
+    def error(self) -> tuple[float, float]:
+        """Return the largest difference of the unknowns from extrapolated ones, and that by one level less [velocity].
+
+        They are infinite where the unknowns have not converged.
+        """
 
     def store(self, time: float) -> None:
         """Store the unknowns at the ``time`` at the end of a step."""

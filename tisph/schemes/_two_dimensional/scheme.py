@@ -50,7 +50,7 @@ SMALLEST_PIVOT_AT_AXIS = 3e-3
 and 2.6e-3 when their pressure equations became singular, and runs with a polymer diverged; others have 3.1e-3 or
 more."""
 
-TOO_LONG = "u, v: no error of a step is small enough, however short it is: the flow needs a smaller spacing;"
+TOO_LONG = "u, v: no error of a step is small enough, however short it is,"
 """Message of a run that stops."""
 
 FIRST_OUTER = 1e-3, 1e-6
@@ -59,6 +59,9 @@ between cylinders are the same to four digits. With couplings, which use the loa
 
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
+
+TINY = 1e-30
+"""Least difference of velocities, over the velocity of reference, that has a logarithm."""
 
 INSTANT = 1e-6
 """Length of a step that finds the flow of one time, over the longest step."""
@@ -196,6 +199,8 @@ class SplittingScheme(ControlledScheme):
             raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")
         if dt is None:
             raise self.diverged(TOO_LONG)
+        if self.equations.may_scatter:
+            self.control.notice_scatter(error, self.roughness)
         self.accept_step(dt)
 
     def settle(self) -> None:
@@ -290,7 +295,9 @@ class SplittingScheme(ControlledScheme):
             if settled and outer >= least - 1:
                 break
 
-        difference = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
+        difference, lower = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
+        tiny, known = TINY * self.problem.reference_velocity, len(self.dts) >= VELOCITIES - 1
+        self.roughness = math.log(max(difference, tiny) / max(lower, tiny)) if known else -1.0
         self.require_solution(solved and not math.isnan(difference))
         error, order = weights.step_error(difference, gamma0, self.error_speed)
         return error / self.error_speed, order

@@ -52,6 +52,10 @@ class TimeWeights:
         """Return the weights of ``count`` values that extrapolate them to now."""
         return self.interpolation(0.0, count)
 
+    def lower_extrapolation(self) -> np.ndarray:
+        """Return the weights of all velocities but the oldest that extrapolate them to now."""
+        return TimeWeights(self.steps[: VELOCITIES - 1], self.unit).extrapolation(VELOCITIES)
+
     def integral(self, offset: float) -> np.ndarray:
         """Return the weights of the velocities in the displacement since the time ``offset`` before now."""
         begin = -offset / self.unit

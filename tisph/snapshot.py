@@ -96,9 +96,10 @@ class Snapshot:
     None where it is not known: ``steepest``: largest change of the logarithm of a conformation tensor within a particle
     spacing, and x and y of its position. ``added_power``: in a fluid of varying viscosity, power of the viscous force
     due to errors of the operators, over the dissipation. ``load_scatter``: largest scatter of the force on a body from
-    step to step, over that force, and the body's number. ``divergence``: rms of the divergence of the velocities over
-    the rms of their gradient, by the operators of the scheme. ``acceleration``: body acceleration along x that keeps a
-    mean velocity.
+    step to step, over that force, and the body's number. ``velocity_scatter``: scatter of velocities from step to step,
+    over the largest velocity, with free bodies or without inertia. ``divergence``: rms of the divergence of the
+    velocities over the rms of their gradient, by the operators of the scheme. ``acceleration``: body acceleration along
+    x that keeps a mean velocity.
 
     With open ends: ``flow_rates`` (2,) into the fluid through inlet and outlet [length^2/time]; ``backflow``: largest
     velocity into the fluid at the outlet, 0 without any; ``passages`` (particles_fluid,): how often the fluid of a
@@ -125,6 +126,7 @@ class Snapshot:
     steepest: tuple[float, float, float] | None = None
     added_power: float | None = None
     load_scatter: tuple[float, int] | None = None
+    velocity_scatter: float | None = None
     divergence: float | None = None
     acceleration: float | None = None
     flow_rates: np.ndarray | None = None

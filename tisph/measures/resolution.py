@@ -178,6 +178,9 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
         found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]
         text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters from step to step by {found:.2g} of its size"
         return f"force scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
+    if snapshot.velocity_scatter is not None and snapshot.velocity_scatter > LARGEST_SCATTER:
+        text = f"velocities scatter from step to step by {snapshot.velocity_scatter:.2g} of the largest one"
+        return f"velocities scatter by {snapshot.velocity_scatter:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.steepest is not None and snapshot.steepest[0] > STEEPEST:
         change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"

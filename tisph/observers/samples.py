@@ -85,7 +85,10 @@ class Description:
 
 FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
-STATE = ("divergence", "steepest", "added_power", "load_scatter", "acceleration", "flow_rates", "backflow")
+STATE = (
+    *("divergence", "steepest", "added_power", "load_scatter", "velocity_scatter"),
+    *("acceleration", "flow_rates", "backflow"),
+)
 """Attributes of a group beside ``t`` and ``step`` that only some schemes have: see ``Snapshot``."""
 
 BODIES = "bodies"

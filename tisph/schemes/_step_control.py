@@ -36,8 +36,8 @@ SCATTERED, REMEMBERED = 8.0, 0.99
 """Steps over which the roughness of velocities in time is a mean, and part of their scatter that a later step keeps."""
 
 ABOVE_SCATTER = 4.0
-"""Tolerance over the scatter of velocities. Steps stay as long with an error of 0.66 of the tolerance (``SAFETY``): with
-this number they grow by a quarter each while their error is scatter alone."""
+"""Tolerance over the scatter of velocities. Steps keep their length with an error of 0.66 of the tolerance: with this
+number they grow by a quarter each while their error is scatter alone."""
 
 
 class Kept:

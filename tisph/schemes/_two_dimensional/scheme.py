@@ -348,8 +348,8 @@ class SplittingScheme(ControlledScheme):
         self.boundary.corners.find_fastest()
         if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
-            cure = "a reference.velocity, if the body force drives it, else " if self.problem.body_force else ""
-            raise DivergedError(f"u, v: above {text}: the flow needs {cure}a smaller spacing")
+            cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
+            raise DivergedError(f"u, v: above {text}{cure}")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             levels.reorder(self.extra_stress.fields)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
@@ -401,6 +401,7 @@ class SplittingScheme(ControlledScheme):
             bodies=boundary.bodies(time, weights, offset),
             **boundary.through_ends(time, weights, offset),
             load_scatter=boundary.load_scatter,
+            velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
             acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
             **{self.extra_stress.resolution_name: self.stress_resolution},

@@ -44,6 +44,19 @@ def run(config, inertia, courant=None):
         return simulation.scheme.steps, bodies.angle[0], bodies.angular_velocity[0]
 
 
+def assert_steps_of_the_motion(scheme, count):
+    """Advance by ``count`` of the longest steps.
+
+    These are reached within ten steps: each is 1.5 times the one before, from a fiftieth on.
+    """
+    of_motion = 0.0
+    while of_motion < count and not scheme.finished:
+        before = scheme.time
+        scheme.advance()
+        of_motion += (scheme.time - before) / scheme.control.limit(scheme.speed)
+        assert scheme.steps <= 2 * (10 + of_motion)
+
+
 @pytest.mark.parametrize("shape", BODIES)
 def test_bodies_that_are_no_circles_take_the_steps_of_the_motion(shape):
     """By a Courant number alone steps are those of the motion.
@@ -66,6 +79,23 @@ def test_little_inertia_changes_neither_steps_nor_angular_velocities(shape):
     assert steps <= 2 * of_motion + 40
     assert angle == pytest.approx(found, abs=5e-3)
     assert rate == pytest.approx(without, rel=1e-2)
+
+
+def test_strong_thinning_without_inertia_takes_the_steps_of_the_motion():
+    """With two outer iterations whatever they left, errors grew from step to step, and steps shrank to 1e-7."""
+    law = {"type": "carreau_yasuda", "time": 5.0, "index": 0.5, "fraction_at_infinity": 1e-3}
+    config = {
+        **SHEAR,
+        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False, "rheology": law},
+        "walls": {},
+        "bodies": [{"type": "circle", "centre": [0.75, 0.5], "radius": 0.25, "motion": "fixed"}],
+        "drive": {"acceleration": 10.0},
+        "initial": {},
+        "discretisation": {"particles_across": 16},
+    }
+    with tisph.Simulation(config) as simulation:
+        simulation.begin()
+        assert_steps_of_the_motion(simulation.scheme, 5)
 
 
 def test_velocities_of_bodies_are_found_as_exactly_as_those_of_the_fluid():
@@ -199,10 +229,10 @@ def test_flows_whose_steps_scatter_had_set(name):
         assert bodies.centre[:3, 1] == pytest.approx([4.65, 4.05, 2.38], abs=0.03)
 
 
-SMALL = ["free_cylinder", "segre_silberberg"]
+SMALL = ["segre_silberberg"]
 LARGE = [
-    "confined_cylinder_oldroyd_b", "drafting_kissing_tumbling", "falling_ball", "jeffery_orbit", "migration",
-    "oldroyd_b_cylinder_in_stream", "settling_disc", "suspension",
+    "confined_cylinder_oldroyd_b", "drafting_kissing_tumbling", "falling_ball", "free_cylinder", "jeffery_orbit",
+    "migration", "oldroyd_b_cylinder_in_stream", "settling_disc", "suspension",
 ]  # fmt: skip
 
 
@@ -224,15 +254,7 @@ def test_all_shipped_configs_with_bodies_or_other_fluids_are_here():
 
 @pytest.mark.parametrize("name", [*SMALL, *(pytest.param(name, marks=pytest.mark.slow) for name in LARGE)])
 def test_shipped_configs_without_inertia_take_the_steps_of_the_motion(name):
-    """The longest step is reached within ten steps: each is 1.5 times the one before, from a fiftieth on."""
-    settings, scene = loaded(name)
-    longest = settings.scheme.largest_courant * scene.spacing / scene.reference_velocity
+    settings, _ = loaded(name)
     with tisph.Simulation(settings) as simulation:
         simulation.begin()
-        scheme, of_motion = simulation.scheme, 0.0
-        scheme.set_targets([min(scene.start_time + 8 * longest, settings.time.end)])
-        while not scheme.finished and scheme.steps <= 2 * (10 + of_motion):
-            before = scheme.time
-            scheme.advance()
-            of_motion += (scheme.time - before) / scheme.control.limit(scheme.speed)
-        assert scheme.finished
+        assert_steps_of_the_motion(simulation.scheme, 6)

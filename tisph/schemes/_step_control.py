@@ -32,6 +32,9 @@ of 1.73e-3 instead of 1.61e-3; with 0.03 it scatters too much to count as steady
 MOST_ATTEMPTS = 20
 """At one step, before a run is given up."""
 
+LARGEST_SCATTER = 0.03
+"""Tolerance by scatter at most: larger errors are a flow that runs away."""
+
 SCATTERED, REMEMBERED = 8.0, 0.99
 """Steps over which the roughness of velocities in time is a mean, and part of their scatter that a later step keeps."""
 
@@ -148,7 +151,7 @@ class StepControl(Kept):
         spacing velocities that are transferred with a shift are uneven, whatever comes next."""
         factor = self.largest_factor
         if not self.fixed:
-            least = max(self.share * (unresolved or 0.0), ABOVE_SCATTER * self.scatter)
+            least = max(self.share * (unresolved or 0.0), min(ABOVE_SCATTER * self.scatter, LARGEST_SCATTER))
             ratio = max(error / max(self.tolerance, least), 1e-12)
             factor = min(factor, max(SMALLEST_FACTOR, SAFETY * ratio ** (-1 / (order + 1))))
             if ratio > REJECTED:

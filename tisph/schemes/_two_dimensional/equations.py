@@ -35,6 +35,7 @@ class Equations:
     which the error is estimated. ``together``: whether one system, of ``stokes``, is solved for everything.
     ``iterations``: of both solvers in the present step. ``may_scatter``: whether velocities follow the places of
     particles or bodies at once, and scatter from step to step as those do; then differences of lower order are known.
+    ``change``: root mean square change of the velocities by the last solution for everything together.
     """
 
     def __init__(
@@ -71,7 +72,7 @@ class Equations:
         self.may_scatter = problem.contact is not None or not problem.inertia
         self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
         self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
-        self.iterations = [0.0, 0.0]
+        self.iterations, self.change = [0.0, 0.0], 0.0
 
     def begin_step(self, weights: TimeWeights, alpha: np.ndarray) -> None:
         """Sum the time levels, equation (1): the forcing by ``alpha``, and the extrapolated velocity and pressure."""
@@ -121,6 +122,7 @@ class Equations:
         divergence = view(self.levels.divergence)[:fluid]
         stress = self.boundary.outlet_stress()
         solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, stress)
+        self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
         self.iterations[0] += stokes.iterations
         for coupling, block in zip(couplings, blocks, strict=True):

@@ -253,10 +253,7 @@ class Coupling(Protocol):
         """Correct the unknowns by the flow of the last outer iteration; return whether they had converged."""
 
     def error(self) -> tuple[float, float]:
-        """Return the largest difference of the unknowns from extrapolated ones, and that by one level less [velocity].
-
-        They are infinite where the unknowns have not converged.
-        """
+        """Return differences from extrapolated unknowns, also by a level less [velocity]; infinite if not converged."""
 
     def store(self, time: float) -> None:
         """Store the unknowns at the ``time`` at the end of a step."""

@@ -273,9 +273,17 @@ def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
         return np.full(len(positions), np.nan)
     tree, _ = periodic_tree(scene, positions)
     nodes, weights = _section(scene, t)
+    return sum_weights(tree, nodes, weights)
+
+
+def sum_weights(tree: Any, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Return factors (n,) of values at the ``tree``'s n places in the sum of their fits at ``nodes`` times ``weights``.
+
+    ``nodes`` (m, 2), ``weights`` (m,); the fits are exact for polynomials of degree 4.
+    """
     equations, weighted, nearest, _ = _normal_equations(tree, nodes, 4, NEIGHBOURS[4])
     at_nodes = np.linalg.solve(equations, weighted)[:, 0]  # factors of the nearest values in the constant term
-    return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), len(positions))
+    return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), tree.n)
 
 
 def _section(scene: Any, t: float) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.geometry.ends import Inlet
 from tisph.snapshot import Snapshot
 
 CHANGE = 1e-3
@@ -125,7 +126,8 @@ dissipation. The error of the velocity in pipes is one to two times this ratio (
 """
 
 LARGEST_SCATTER = 0.01
-"""Largest scatter of the force on a body from step to step in a resolved sample, over that force.
+"""Largest scatter of the force on a body, or of the pressure at an inlet, from step to step in a resolved sample, over
+that force or pressure.
 
 The error of single steps is three times the scatter (docs/evidence/stability.md).
 """
@@ -175,9 +177,13 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
         text = f"where the viscosity jumps, errors of the viscous force have a power of {found:.2g} of the dissipation"
         return f"viscous force off by {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
     if snapshot.load_scatter is not None and snapshot.bodies is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
-        found, (x, y) = snapshot.load_scatter[0], snapshot.bodies.centre[int(snapshot.load_scatter[1])]
-        text = f"the force on the body at ({x:.4g}, {y:.4g}) scatters from step to step by {found:.2g} of its size"
-        return f"force scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
+        found, number = snapshot.load_scatter[0], int(snapshot.load_scatter[1])
+        name, (x, y) = "force", snapshot.bodies.centre[number]
+        place = f"on the body at ({x:.4g}, {y:.4g})"
+        if any(isinstance(body, Inlet) for body in scene.bodies[number : number + 1]):
+            name, place = "pressure", "at the inlet"
+        text = f"the {name} {place} scatters from step to step by {found:.2g} of its size"
+        return f"{name} scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.velocity_scatter is not None and snapshot.velocity_scatter > LARGEST_SCATTER:
         text = f"velocities scatter from step to step by {snapshot.velocity_scatter:.2g} of the largest one"
         return f"velocities scatter by {snapshot.velocity_scatter:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"

@@ -32,10 +32,11 @@ class Equations:
     """The ``forcing`` (points,) of a step, its solvers of ``pressure`` and ``velocity``, and the body ``acceleration``.
 
     ``extrapolated`` (points,): velocities extrapolated to the end of the step, from which the solvers start and from
-    which the error is estimated. ``together``: whether one system, of ``stokes``, is solved for everything.
-    ``iterations``: of both solvers in the present step. ``may_scatter``: whether velocities follow the places of
-    particles or bodies at once, and scatter from step to step as those do; then differences of lower order are known.
-    ``change``: root mean square change of the velocities by the last solution for everything together.
+    which the error is estimated. ``sources`` (fluid,) of the pressure equation, None without any. ``together``: whether
+    one system, of ``stokes``, is solved for everything. ``iterations``: of both solvers in the present step.
+    ``may_scatter``: whether velocities follow the places of particles or bodies at once, and scatter from step to step
+    as those do; then differences of lower order are known. ``change``: root mean square change of the velocities by the
+    last solution for everything together.
     """
 
     def __init__(
@@ -73,6 +74,7 @@ class Equations:
         self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
         self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
         self.iterations, self.change = [0.0, 0.0], 0.0
+        self.sources: np.ndarray | None = None
 
     def begin_step(self, weights: TimeWeights, alpha: np.ndarray) -> None:
         """Sum the time levels, equation (1): the forcing by ``alpha``, and the extrapolated velocity and pressure."""
@@ -80,7 +82,7 @@ class Equations:
         view(self.beta)[...] = weights.extrapolation(VELOCITIES)
         view(self.beta_pressure)[...] = weights.extrapolation(PRESSURES)
         view(self.beta_lower)[...] = weights.lower_extrapolation()
-        self.iterations = [0.0, 0.0]
+        self.iterations, self.sources = [0.0, 0.0], None
         self.sum_levels()
 
     def accelerate(self, acceleration: float) -> None:
@@ -178,14 +180,20 @@ class Equations:
                 pressure += self.beta_pressure[level] * self.levels.fields[i][self.levels.first_pressure + level]
             self.pressure.x[i] = pressure
 
+    def set_divergence(self, dt: float, retained: float, gamma0: float) -> None:
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0, and add the sources."""
+        self.set_divergence_of_forcing(dt, retained, gamma0)
+        if self.sources is not None:
+            view(self.pressure.b)[: len(self.sources)] += self.sources
+
     @ti.kernel
-    def set_divergence(self, dt: float, retained: float, gamma0: float):
+    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float):
         """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
             kept = self.boundary.retained(i, retained, gamma0)
-            self.pressure.b[i] = (kept * self.levels.divergence[i] - divergence) / dt
+            self.pressure.b[i] = (kept * self.boundary.divergence_before(i) - divergence) / dt
 
     @ti.func
     def divergence_of_forcing(self, i):

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
-from tisph.runtime import integer, ti, view
+from tisph.runtime import integer, real, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import LOAD_LEVELS, WallBoundary
@@ -69,7 +69,8 @@ def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
 class OpenWallBoundary(WallBoundary):
     """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
 
-    ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``passages`` (fluid,): how often a
+    ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``divergence`` (fluid,): divergence
+    of the newest velocities, by the operators at the end of the present step. ``passages`` (fluid,): how often a
     particle, by its number at the start, has left and entered. ``v_slope``: dv/dx at the inlets' points.
     """
 
@@ -87,6 +88,7 @@ class OpenWallBoundary(WallBoundary):
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
         self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
         self.due = np.zeros(sum(len(part) for _, part in self.ends))
+        self.divergence = self.points.field(real())
 
     @property
     def carried_fields(self) -> tuple[Any, ...]:
@@ -183,6 +185,7 @@ class OpenWallBoundary(WallBoundary):
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
         elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
+        self.level_times = time - np.append(0.0, elapsed)
         inlets = view(self.levels.fields)[self.problem.n_fluid : self.problem.particles]
         for level, since in enumerate(elapsed):
             along = components * level
@@ -203,6 +206,47 @@ class OpenWallBoundary(WallBoundary):
         right = np.zeros((len(chosen), self.levels.components))
         right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
         view(equations.velocity.b)[chosen] = right
+
+    def begin_step(self, weights: TimeWeights) -> None:
+        """Extrapolate the curl of the vorticity to the end of a step, and measure the divergence to be kept."""
+        super().begin_step(weights)
+        self.measure_kept_divergence()
+
+    @ti.kernel
+    def measure_kept_divergence(self):
+        """Compute the divergence that the newest velocities had, by the operators at the end of the step.
+
+        Particles have moved by s since then. With derivatives at their places at the end, the divergence at their
+        places before is the trace of grad u (1 - grad s)^-1. Operators of both places differ by truncation errors, and
+        D u^ - k gamma_0 d^n is to have none of this difference: a part of the pressure that grows as 1/dt.
+
+        """
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            own, moved = self.levels.carried(0, i), self.displacement(i)
+            u_x, u_y, s_x, s_y = 0.0 * own, 0.0 * own, 0.0 * own, 0.0 * own
+            for k in range(self.points.begin[i], self.points.end[i]):
+                j = self.points.neighbours[k]
+                velocity, displacement = self.levels.carried(0, j) - own, self.displacement(j) - moved
+                u_x += self.operators.d_dx[k] * velocity
+                u_y += self.operators.d_dy[k] * velocity
+                s_x += self.operators.d_dx[k] * displacement
+                s_y += self.operators.d_dy[k] * displacement
+            numerator = u_x.x * (1.0 - s_y.y) + u_y.x * s_x.y + u_x.y * s_y.x + u_y.y * (1.0 - s_x.x)
+            self.divergence[i] = numerator / ((1.0 - s_x.x) * (1.0 - s_y.y) - s_y.x * s_x.y)
+
+    @ti.func
+    def divergence_before(self, i):
+        """Return the divergence of the newest velocities at a particle."""
+        return self.divergence[i]
+
+    @ti.func
+    def displacement(self, i):
+        """Return the displacement in the step of a particle, or of the fluid that is at a point of an end."""
+        result = 0.0 * self.levels.carried(0, i)
+        for level in ti.static(range(VELOCITIES)):
+            result += self.levels.step_weights[level] * self.levels.carried(level, i)
+        return result
 
     def outlet_stress(self) -> np.ndarray:
         """Return the normal stress S_yy (points,) of a polymer at the points of the outlet."""
@@ -228,6 +272,15 @@ class OpenWallBoundary(WallBoundary):
         if self.replaced:
             self.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
+
+    @property
+    def load_scatter(self) -> tuple[float, int] | None:
+        """Largest scatter from step to step of the forces on a body and on the inlet, and its number; None if unknown.
+
+        The force on the inlet is the pressure there, and so the pressure drop, times the width.
+        """
+        found = [super().load_scatter, self.loads.scatter([len(self.walls.bodies) - 2])]
+        return max((each for each in found if each), default=None)
 
     def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
         """Return the numbers of a ``Snapshot`` about open ends, by name."""
@@ -286,8 +339,7 @@ class OpenWallBoundary(WallBoundary):
             due[chosen[k]] -= 1.0
         places = self.roomiest(place[points[chosen]], normal[chosen], place[near[staying[near]]], time)
         sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
-        fields = *self.carried_fields, self.levels.divergence
-        self.replaced = slots, [view(field)[slots] for field in fields], self.due
+        self.replaced = slots, [view(field)[slots] for field in self.carried_fields], self.due
         self.due = due
         if len(slots):
             self.take_levels(slots, places, sources, place[sources], DEGREE)
@@ -326,7 +378,7 @@ class OpenWallBoundary(WallBoundary):
         x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
         basis = np.stack([x**a * y**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
         weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
-        for field in (*self.carried_fields, self.levels.divergence):
+        for field in self.carried_fields:
             values = view(field)[sources[nearest]].astype(float)
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
 
@@ -341,7 +393,7 @@ class OpenWallBoundary(WallBoundary):
         """Take back the exchange of an attempt that was rejected."""
         if self.replaced:
             slots, values, self.due = self.replaced
-            for field, before in zip((*self.carried_fields, self.levels.divergence), values, strict=True):
+            for field, before in zip(self.carried_fields, values, strict=True):
                 view(field)[slots] = before
         self.replaced = None
 

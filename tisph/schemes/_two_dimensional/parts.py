@@ -122,6 +122,11 @@ class Boundary:
         return retained
 
     @ti.func
+    def divergence_before(self, i):
+        """Return the divergence of the newest velocities at a particle."""
+        return self.levels.divergence[i]
+
+    @ti.func
     def judged(self, i, value):
         """Return the part of a ``value`` at a particle that counts in the error of a step: all of it."""
         return value

@@ -20,6 +20,7 @@ from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._shifting import TRAVEL, FickianShifting
 from tisph.schemes._two_dimensional import step_limits as limits
 from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.flow_rate import FlowRateControl
 from tisph.schemes._two_dimensional.free_bodies import FreeBodyCoupling, FreeWallBoundary
 from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
@@ -114,6 +115,10 @@ class SplittingScheme(ControlledScheme):
         if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
+        self.flow_rate: FlowRateControl | None = None
+        if isinstance(self.boundary, OpenWallBoundary) and not self.slow:
+            self.flow_rate = FlowRateControl(problem, self.boundary)
+            self.couplings.append(self.flow_rate)
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
@@ -267,7 +272,7 @@ class SplittingScheme(ControlledScheme):
         boundary.begin_step(weights)
         boundary.corners.add_force(equations.forcing, weights, dt)
 
-        decay = limits.decay_rate(viscosity, self.speed, self.problem.spacing)
+        decay = limits.decay_rate(viscosity, self.speed, self.problem)
         retained = max(0.0, gamma0 - decay * dt)
         forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
         least = 2 if (boundary.bounded and not self.slow) or extra_stress.nonlinear else 1
@@ -278,7 +283,7 @@ class SplittingScheme(ControlledScheme):
             extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
             if inertia:
                 levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
-            if outer == 0 or forcing_varies:
+            if outer == 0 or forcing_varies or equations.sources is not None:
                 equations.set_divergence(dt, retained, gamma0)
             if outer > 0 and curls_vary:
                 boundary.update_normal_curls(equations.velocity.x)
@@ -436,7 +441,9 @@ class SplittingScheme(ControlledScheme):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         mean = self.mean_velocity.state() if self.mean_velocity else None
-        return {**super().host_state(), "walls": self.boundary.host_state(), "mean_velocity": mean}
+        response = self.flow_rate.response if self.flow_rate else None
+        state = {"walls": self.boundary.host_state(), "mean_velocity": mean, "flow_rate_response": response}
+        return {**super().host_state(), **state}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
@@ -444,6 +451,8 @@ class SplittingScheme(ControlledScheme):
         self.boundary.restore_host_state(state["walls"])
         if self.mean_velocity:
             self.mean_velocity.restore(state["mean_velocity"])
+        if self.flow_rate:
+            self.flow_rate.response = state["flow_rate_response"]
 
 
 def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:

@@ -14,7 +14,7 @@ through the two before and the two after it, which a drag that varies smoothly f
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -129,16 +129,18 @@ class WallLoads:
         )
         return Bodies.at(time, self.walls.bodies, loads, normals, contact)
 
-    @property
-    def scatter(self) -> tuple[float, int] | None:
-        """Largest ``scatter`` of the forces on closed bodies, and the number of the body; None if unknown."""
-        closed = [number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0]
-        if not closed:
+    def scatter(self, numbers: Sequence[int]) -> tuple[float, int] | None:
+        """Return the largest ``scatter`` of the forces on bodies with these ``numbers``, and the number of the body.
+
+        None if the scatter is unknown.
+        """
+        if not numbers:
             return None
-        loads = np.reshape([each[0][closed] for each in self.loads[: len(self.times)]], (-1, len(closed), 4))
-        radii = np.sqrt([self.walls.bodies[number].shape.area / math.pi for number in closed])
+        loads = np.reshape([each[0][numbers] for each in self.loads[: len(self.times)]], (-1, len(numbers), 4))
+        shapes = [self.walls.bodies[number].shape for number in numbers]
+        radii = np.array([math.sqrt(shape.area / math.pi) or 0.5 * shape.length for shape in shapes])
         found = scatter(np.array(self.times), loads[:, :, :2], loads[:, :, 2] / radii)
-        return found and (found[0], closed[found[1]])
+        return found and (found[0], numbers[found[1]])
 
 
 @ti.data_oriented
@@ -344,7 +346,7 @@ class WallBoundary(Boundary):
     @property
     def load_scatter(self) -> tuple[float, int] | None:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
-        return self.loads.scatter
+        return self.loads.scatter([number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0])
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""

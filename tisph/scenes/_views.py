@@ -88,7 +88,8 @@ class Radius(Line):
 
     def even_coordinates(self, count: int) -> np.ndarray:
         """See ``Line.even_coordinates``: the radii of rings of equal area."""
-        return np.sqrt(np.linspace(*np.square(self.ends), count))
+        inner, outer = self.ends
+        return np.sqrt(np.linspace(inner**2, outer**2, count))
 
     def points(self, coordinates: Any) -> tuple[Any, Any]:
         """Return places (x, y) at the distances ``coordinates`` along x from the axis."""
@@ -306,7 +307,7 @@ def _viscosity(scene: Any, snapshot: Snapshot) -> np.ndarray:
 
 def _shear_stress(scene: Any, snapshot: Snapshot) -> np.ndarray:
     """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx), mu being the local viscosity."""
-    if scene.polymer:
+    if snapshot.stress_xy is not None:
         return snapshot.stress_xy
     return 2.0 * _viscosity(scene, snapshot) * _strain(scene, snapshot)[3]
 

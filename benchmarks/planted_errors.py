@@ -1,10 +1,12 @@
 """Change one term of the equations by a few per cent, and see which rows of ``tisph verify manufactured`` fail.
 
+What no manufactured flow has, open ends and bodies that the flow carries, has tests instead of rows.
+
     python benchmarks/planted_errors.py                 # all terms, some minutes
     python benchmarks/planted_errors.py hoop body       # those whose name contains one of the words
 
 Each error is planted in a copy of the package, in which the two coarser runs of one case are made and judged as with
-``--quick``. A term whose error no row notices makes the exit status 1.
+``--quick``, or one test is run. A term whose error nothing notices makes the exit status 1.
 """
 
 import os
@@ -14,11 +16,14 @@ import sys
 import tempfile
 from pathlib import Path
 
-PACKAGE = Path(__file__).parents[1] / "tisph"
+ROOT = Path(__file__).parents[1]
 SCHEME, WALLS = "_two_dimensional/scheme.py", "_two_dimensional/wall_boundary.py"
 LOG = "_two_dimensional/log_conformation"
 STEP, COORDINATES = "_two_dimensional/equations.py", "_two_dimensional/time_levels.py"
 POLYMER = "_two_dimensional/viscoelastic_stress.py"
+ENDS, BODIES, LIMITS = (f"_two_dimensional/{name}.py" for name in ("open_ends", "free_bodies", "step_limits"))
+ROWS, PASSING = "test_open_ends::test_the_outlets_rows", "test_open_ends::test_particles_pass_evenly"
+BALL, SOLVED = "test_slow_flow::test_without_inertia_the_force", "test_scatter_of_steps::test_errors_of_a_solution"
 
 ERRORS = {
     "none": ("pipe", STEP, "", ""),
@@ -43,8 +48,13 @@ ERRORS = {
     "upper-convected, shear": ("annulus_oldroyd_b", LOG + ".py", "2.0 * scaled * strain", "1.9 * scaled * strain"),
     "upper-convected, with swirl": ("pipe_oldroyd_b", LOG + "_with_swirl.py", "* scaled -", "* 0.95 * scaled -"),
     "power law": ("square_power_law", "../rheology/power_law.py", "0.5 * (par", "0.48 * (par"),
+    "slope at an outlet": (ROWS, ENDS, "outlet_slope = support", "outlet_slope = 0.95 * support"),
+    "particles that are due": (PASSING, ENDS, "self.due + dt", "self.due + 1.03 * dt"),
+    "fluid that bodies displace": (BALL, BODIES, "inertia.displaced * acc", "inertia.displaced * 0.98 * acc"),
+    "residual in slow flow": (SOLVED, LIMITS, "TOGETHER = 0.03", "TOGETHER = 0.1"),
 }  # fmt: skip
-"""By the name of a term: the case that is run, a file (below tisph/schemes), a text in it and its replacement."""
+"""By the name of a term: the case that is run, or file and beginning of a test below tests/schemes, then a file (below
+tisph/schemes), a text in it and its replacement."""
 
 JUDGE = """
 import sys
@@ -59,25 +69,32 @@ for each in map(runner.judge, manufactured.bounds(sys.argv[1], quick=True)):
 
 
 def failed_rows(name: str, folder: Path) -> list[str]:
-    """Return the rows that fail with the error ``name`` planted in a copy of the package in ``folder``."""
+    """Return the rows or tests that fail with the error ``name`` planted in a copy of the package in ``folder``."""
     case, file, text, other = ERRORS[name]
-    shutil.copytree(PACKAGE, folder / "tisph", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "tisph", folder / "tisph", ignore=shutil.ignore_patterns("__pycache__"))
     path = folder / "tisph" / "schemes" / file
     source = path.read_text(encoding="utf-8")
     if text not in source:
         raise SystemExit(f"{path.name} no longer has {text!r}: name the term as it is now")
     path.write_text(source.replace(text, other) if text else source, encoding="utf-8")
+    tested, is_test, test = case.partition("::")
     command = [sys.executable, "-c", JUDGE, case]
+    if is_test:
+        shutil.copytree(ROOT / "tests", folder / "tests")
+        shutil.copy(ROOT / "pyproject.toml", folder)
+        command = [sys.executable, "-m", "pytest", "-q", "--tb=no", f"tests/schemes/{tested}.py", "-k", test]
     ended = subprocess.run(
         command, cwd=folder, env={**os.environ, "PYTHONPATH": str(folder)}, capture_output=True, text=True
     )
+    if is_test:
+        return [line.split("::")[1].split()[0] for line in ended.stdout.splitlines() if line.startswith("FAILED")]
     rows = [row for row in ended.stdout.rpartition("\n")[2].split(";") if row]
     return rows if ended.returncode == 0 else [f"the run fails: {ended.stderr.strip().splitlines()[-1]}"]
 
 
 def main() -> int:
     """Print a table of terms, cases and rows that fail; return whether an error goes unnoticed."""
-    print("| term | case | rows that fail |\n|---|---|---|")
+    print("| term | case | rows or tests that fail |\n|---|---|---|")
     unnoticed = False
     for name in ERRORS:
         if sys.argv[1:] and not any(word in name for word in sys.argv[1:]):

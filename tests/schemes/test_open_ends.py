@@ -132,7 +132,7 @@ def test_scatter_of_the_pressure_at_an_inlet_is_said():
     assert "the pressure at the inlet scatters" in reason
 
 
-def test_particles_pass_evenly():
+def test_particles_pass_evenly_and_as_many_as_flow_in():
     scene = None
     counts, steps, columns = np.zeros(24), 0, np.linspace(0.0, 2.0, 25)
     with tisph.Simulation(changed(time={"end": 5.0, "cfl": 0.3})) as simulation:
@@ -142,6 +142,10 @@ def test_particles_pass_evenly():
             assert len(simulation.state.x) == particles
             if simulation.time > 1.0:
                 counts, steps = counts + np.histogram(simulation.state.x, columns)[0], steps + 1
+        boundary = simulation.scheme.boundary
+        entered, due = boundary.passages.sum(), boundary.due.sum() - 0.5 * len(boundary.due)  # at first half a particle
+    middles = (np.arange(12) + 0.5) / 12
+    assert entered + due == pytest.approx(5.0 * parabola(middles).sum() / 12 / scene.spacing**2, rel=1e-9)  # rounding
     density = counts / steps * scene.spacing**2 / (columns[1] * 1.0)
     # a spacing is even to 1 % where the density, that of a few hundred particles, is to 2 %; a column may be half empty
     # beside an end, from which particles keep their distance
@@ -241,3 +245,24 @@ def test_fits_have_the_value_of_a_polynomial():
     values = 2.0 - x + 3.0 * y + x * y - 4.0 * y**2
     weights = first_coefficient(basis, np.ones_like(x))
     assert (weights * values).sum(axis=1) == pytest.approx(np.full(3, 2.0))
+
+
+def test_the_outlets_rows_are_exact_for_a_polynomial_of_degree_4():
+    """Of a flow without divergence and with dv/dx = 0 at the outlet, whose slope du/dx = -dv/dy is not 0 there."""
+    with tisph.Simulation(CHANNEL) as simulation:
+        taken(simulation, 2)
+        scheme, boundary, points = simulation.scheme, simulation.scheme.boundary, simulation.scheme.problem.particles
+        scheme.attempt(scheme.control.dt_next)  # operators at the places of the end of a step
+        velocity, at_outlet = scheme.equations.velocity, slice(boundary.first, points)
+        x, y = boundary.positions.T
+        x = x - x[boundary.first]
+        slope = 2.0 - 2.0 * y + 3.0 * y**2
+        u = 1.0 - 2.0 * y + 4.0 * y**3 + slope * x + 2.0 * y * x**3
+        v = -(2.0 * y - y**2 + y**3 + 3.0 * y**2 * x**2)
+        view(velocity.x)[:points] = np.stack([u, v], axis=1)
+        sigma = float(velocity.sigma[None])
+        boundary.add_normal_momentum(scheme.equations, 0.01, sigma, 0.05)
+        velocity.start()
+        rounding = 1e-11  # of double precision, some hundred times over
+        assert np.abs(view(velocity.residual)[at_outlet] / sigma).max() < rounding
+        assert view(scheme.equations.pressure.x)[at_outlet] == pytest.approx(0.05 * slope[at_outlet], abs=rounding)

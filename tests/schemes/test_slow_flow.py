@@ -104,6 +104,21 @@ def test_without_inertia_the_drag_of_a_sphere_is_there_at_once():
     assert drag == pytest.approx(5.94738, rel=1e-2)  # its suite has 1.7e-3 with 28 across, and the length of this tube
 
 
+def test_without_inertia_the_force_on_a_falling_ball_is_its_weight():
+    """In a closed tube, with the force of the pressure gradient that the falling ball causes, a seventh of it here.
+
+    Equation (12) has that gradient times the displaced volume, and the report of the scene adds it to the force.
+    """
+    falling = {"free": True, "density": 2.0, "force": -0.5}
+    changes = {"geometry": {**BALL["geometry"], "length": 2.0}, "discretisation": {"particles_across": 12}}
+    with tisph.Simulation({**BALL, **changes, "sphere": falling}) as simulation:
+        simulation.begin()
+        scene, snapshot = simulation.scene, simulation.scheme.snapshot()
+        found = scene.diagnostics(snapshot, [])
+    assert found["force_sphere"] == pytest.approx(0.5, abs=1e-6)  # found with the flow: to the residual
+    assert found["acceleration"] * 4.0 / 3.0 * np.pi * 0.5**3 > 0.05
+
+
 @pytest.mark.parametrize("name", ["couette_minimal", "taylor_green", "cavity", "pipe"])
 def test_only_flow_between_walls_may_be_without_inertia(name):
     with pytest.raises(ConfigError, match=r"fluid\.inertia"):

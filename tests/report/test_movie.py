@@ -310,7 +310,7 @@ def test_error_is_relative_to_the_exact_profile():
     assert relative_error(channel, particles(channel, 1.0, x, y, 1.01 * exact)) == pytest.approx(0.01)
     at_rest = make_channel()
     assert relative_error(at_rest, particles(at_rest, 0.0, x, y, 0 * x)) is None
-    assert error_label(at_rest)(particles(at_rest, 0.0, x, y, 0 * x)) == "unresolved: layer of 0.0 spacings"
+    assert error_label(at_rest)(particles(at_rest, 0.0, x, y, 0 * x)) == "unresolved: layer that starts"
 
 
 CONFIGS = Path(__file__).parents[2] / "configs"

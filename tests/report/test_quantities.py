@@ -298,7 +298,7 @@ def test_error_of_the_stress_is_named(renderer):
     field = "stress_xy", "Sxy"
     wrong = replace(snapshot, stress_xy=1.02 * snapshot.stress_xy)
     assert error_label(channel, field)(wrong) == f"L2 error of Sxy 2.0{TIMES}10⁻²"
-    assert error_label(channel, field)(make_snapshot(channel, 0.0)) == "unresolved: layer of 0.0 spacings"
+    assert error_label(channel, field)(make_snapshot(channel, 0.0)) == "unresolved: layer that starts"
 
 
 def test_particles_with_wrong_stress_do_not_stop_the_picture(renderer):

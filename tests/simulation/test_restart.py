@@ -236,8 +236,8 @@ def test_an_extended_explicit_run_warns_that_it_is_not_bitwise_equal(case, tmp_p
     simulation.run(settings[0], folder.root)
     assert checkpoint_time(folder) == 0.3
     simulation.run(settings[1], folder.root, resume=True)
-    assert "the bits are not those of a run that had the later one" in capsys.readouterr().err
-    assert "the bits are not" in folder.log.read_text()
+    assert "the result is not bitwise that of a run with the new time.end" in capsys.readouterr().err
+    assert "the result is not bitwise" in folder.log.read_text()
     simulation.run(settings[1], whole.root)
     found, expected = datasets(folder.samples), datasets(whole.samples)
     assert [found[f"sample_00{k}@t"] for k in range(2)] == [0.3, 0.6]  # the sample at the old end is kept

@@ -294,7 +294,7 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
         stability.run(tmp_path, forecast, 1, PARTS)
-    assert "the same command goes on" in capsys.readouterr().out
+    assert "the same command continues" in capsys.readouterr().out
     assert written(tmp_path)["complete"] is False
     monkeypatch.setattr(FakeRuns, "__call__", start)
     assert stability.run(tmp_path, forecast, 1, PARTS) is True

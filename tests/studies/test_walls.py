@@ -104,7 +104,7 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
         walls.run(tmp_path)
-    assert "the same command goes on" in capsys.readouterr().out
+    assert "the same command continues" in capsys.readouterr().out
     assert not [process for process in started[:-1] if process.status is None]  # none is left behind
     done = sum((tmp_path / "runs" / config["name"] / "summary.json").is_file() for config in runs.configs)
     assert 0 < done < stop

@@ -4,6 +4,7 @@ The room for labels and legend is computed here: matplotlib's constrained layout
 measures everything twice, and matplotlib prepares all ticks again for each measurement.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -237,10 +238,12 @@ def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, curve: tuple[np.ndarray,
         assert profile.scale
         values = (values - profile.exact(snapshot.x[chosen], snapshot.y[chosen], snapshot.t)) / profile.scale[0]
         between, exact = (between - exact) / profile.scale[0], None
-    axes.plot(values, along, "o", color=look["color"], markersize=3.5, markeredgewidth=0.0, alpha=_PALE)
+    alpha = _PALE if np.isfinite(between).any() else 1.0
+    axes.plot(values, along, "o", color=look["color"], markersize=3.5, markeredgewidth=0.0, alpha=alpha)
     line = axes.plot(between, coordinates, "-", **look)[0]
     if exact is not None:
-        axes.plot(np.where(np.isfinite(between), exact, np.nan), coordinates, "-", color=style.TEXT, linewidth=0.9)
+        wet = np.isfinite(between) | ~np.isfinite(between).any()
+        axes.plot(np.where(wet, exact, np.nan), coordinates, "-", color=style.TEXT, linewidth=0.9)
     return line
 
 
@@ -251,7 +254,8 @@ def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: An
         if error:
             name, unit = f"({profile.name} {MINUS} {profile.name} {profile.reference}) / {profile.scale[1]}", ""
             one.axvline(0.0, color=style.MUTED, linewidth=0.8)
-        exponent = axis_exponent(float(np.max(np.abs(one.dataLim.intervalx))))
+        reach = float(np.max(np.abs(one.dataLim.intervalx)))
+        exponent = axis_exponent(reach if math.isfinite(reach) else 0.0)  # no finite number, of data of other codes
         one.set_xlabel(axis_label(name, unit, exponent), parse_math=False)
         style.format_ticks(one.xaxis, exponent)
         one.grid(True)

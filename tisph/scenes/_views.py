@@ -118,9 +118,11 @@ class Profile:
     def interpolated(self, scene: Any, snapshot: Snapshot, coordinates: np.ndarray) -> np.ndarray:
         """Return the quantity at ``coordinates`` (n,) along the line, interpolated between particles (n,).
 
-        By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN in bodies, and
-        after a run has gone wrong.
+        By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN in bodies, after
+        a run has gone wrong, and of data of another code on some line, which do not fill half of the region.
         """
+        if 2 * len(snapshot.x) < scene.particles:
+            return np.full(len(coordinates), np.nan)
         given = walled(scene, snapshot) if self.unit == "velocity" else snapshot
         places = np.stack([given.x, given.y], axis=1).astype(float)
         points = np.stack(np.broadcast_arrays(*self.line.points(coordinates)), axis=1)

@@ -23,6 +23,7 @@ from tisph.measures.fits import sum_weights
 from tisph.runtime import real, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
 from tisph.schemes._two_dimensional.open_ends import OpenWallBoundary
+from tisph.schemes._two_dimensional.parts import Coupling
 from tisph.schemes._two_dimensional.time_levels import VELOCITIES, gradients
 
 CLEAR, APART, MOST_SECTIONS = 6.0, 8.0, 12
@@ -36,26 +37,19 @@ LEAST_REYNOLDS = 1.0
 viscous drop, beside which their noise is small, and corrections do not converge: with 0.04 there are 19 in a step."""
 
 
-def controlled(problem: Any) -> bool:
-    """Return whether the flow rate between the open ends of a ``problem`` is controlled."""
-    least = LEAST_REYNOLDS * problem.kinematic_viscosity
-    return bool(problem.open_ends) and problem.reference_velocity * problem.spacing >= least
-
-
 @ti.data_oriented
-class FlowRateControl:
+class FlowRateControl(Coupling):
     """The ``Coupling`` that finds the sources of the pressure equation for which the flow rate obeys the inflow.
 
     ``response``: change of a residual over its value that the source has which removes it in a fluid without viscosity.
     """
-
-    rounding, sets_curls = 0.0, False
 
     def __init__(self, problem: Any, boundary: OpenWallBoundary) -> None:
         self.problem, self.boundary, self.levels = problem, boundary, boundary.levels
         self.inlet = boundary.walls.bodies[-2]
         self.along = float(self.inlet.shape.normal[0])
         self.response = 1.0
+        self.placed: list[tuple[float, ...]] = []
         self.acceleration = ti.field(real(), self.levels.points.slots + 1)
         low, high = sorted(problem.open_ends)
         clear = CLEAR * problem.spacing
@@ -65,56 +59,46 @@ class FlowRateControl:
         self.length = high - low
         self.renewal = self.length / max(count, 1) / problem.reference_velocity
 
-    def start(self, equations: "Equations", tolerance: float) -> bool:
-        """Return True: the impulse of the inflow belongs to the boundary."""
-        return True
-
-    def correct_start(self, equations: "Equations", tolerance: float) -> bool:
-        """Return True: the first pressure changes nothing."""
-        return True
-
     def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
-        """Begin a step ``dt`` that ends at ``time``: place the sections, and find the rate at which Q has to change."""
+        """Begin a step ``dt`` that ends at ``time``: place the sections, and compute the weights of their integrals."""
+        from scipy.spatial import cKDTree
+
         problem, fluid = self.problem, self.problem.n_fluid
         positions, self.dt, self.gamma0 = self.boundary.positions, dt, gamma0
-        self.set_sections(positions, time)
+        self.place_sections(positions, time)
+        tree = cKDTree(positions, boxsize=(0.0, 0.0))
+        weights = [sum_weights(tree, nodes, lengths) for nodes, lengths in zip(self.nodes, self.lengths, strict=True)]
+        self.weights = np.reshape(weights, (len(weights), len(positions)))
         self.sources, self.residual = np.zeros(len(self.sections) + 1), None
         self.slab = np.searchsorted(self.along * self.sections, self.along * positions[:fluid, 0])
         self.area = np.maximum(np.bincount(self.slab, minlength=len(self.sections) + 1), 1) * problem.spacing**2
 
-    def set_sections(self, positions: np.ndarray, time: float) -> None:
-        """Set places (sections,) along x, widths, and weights (sections, points) of the integrals over sections.
+    def place_sections(self, positions: np.ndarray, time: float) -> None:
+        """Set the places ``sections`` (n,) along x, and ``nodes`` (n, m, 2) and ``lengths`` (n, m) of their integrals.
 
-        Sections that cross a body are left out.
+        Sections that cross a body are left out. They change where a body has moved.
         """
-        from scipy.spatial import cKDTree
-
-        origin, spacing = self.problem.origin, self.problem.spacing
+        placed = [(*place.centre, place.angle) for place in (body.at(time) for body in self.boundary.solid)]
+        if placed == self.placed:
+            return
+        origin, spacing, self.placed = self.problem.origin, self.problem.spacing, placed
         on_walls = positions[self.boundary.slots, 1] + origin[1]
         low, high = on_walls.min(), on_walls.max()
         heights = np.linspace(low, high, 4 * int(np.ceil((high - low) / spacing)))
         rule = np.polynomial.legendre.leggauss(max(20, round(0.5 * (high - low) / spacing)))
-        nodes = np.stack(np.broadcast_arrays(self.places[:, None] + origin[0], heights), axis=-1)
-        distance = np.min([body.nearest(nodes.reshape(-1, 2), time).distance for body in self.boundary.solid], axis=0)
-        tree, sections, weights = cKDTree(positions, boxsize=(0.0, 0.0)), [], []
-        for place, gap in zip(self.places, distance.reshape(nodes.shape[:2]), strict=True):
+        grid = np.stack(np.broadcast_arrays(self.places[:, None] + origin[0], heights), axis=-1)
+        distance = np.min([body.nearest(grid.reshape(-1, 2), time).distance for body in self.boundary.solid], axis=0)
+        sections, nodes, lengths = [], [], []
+        for place, gap in zip(self.places, distance.reshape(grid.shape[:2]), strict=True):
             wet = np.flatnonzero(gap > 0.0)
-            if len(wet) <= wet[-1] - wet[0]:
+            if not len(wet) or len(wet) <= wet[-1] - wet[0]:
                 continue
             bottom, top = heights[wet[0]] - gap[wet[0]], heights[wet[-1]] + gap[wet[-1]]
             along = 0.5 * (bottom + top + (top - bottom) * rule[0]) - origin[1]
-            across = np.stack([np.full_like(along, place), along], axis=1)
             sections.append(place)
-            weights.append(sum_weights(tree, across, 0.5 * (top - bottom) * rule[1]))
-        self.sections, self.weights = np.array(sections), np.reshape(weights, (len(sections), len(positions)))
-
-    def unknowns(self, dt: float) -> Any:
-        """Raise NotImplementedError: flow that is solved for together has no control."""
-        raise NotImplementedError
-
-    def take(self, equations: "Equations", found: np.ndarray) -> None:
-        """Raise NotImplementedError, as ``unknowns``."""
-        raise NotImplementedError
+            nodes.append(np.stack([np.full_like(along, place), along], axis=1))
+            lengths.append(0.5 * (top - bottom) * rule[1])
+        self.sections, self.nodes, self.lengths = np.array(sections), nodes, lengths
 
     def correct(self, equations: "Equations") -> bool:
         """Change the sources by the residuals of the sections; return whether these were small enough."""
@@ -151,10 +135,3 @@ class FlowRateControl:
             for level in ti.static(range(VELOCITIES)):
                 along -= alpha[level] * self.levels.carried(level, i).x
             self.acceleration[i] = along / dt - own.x * d_dx.x - own.y * d_dy.x
-
-    def error(self) -> tuple[float, float]:
-        """Return zeros: a step has no error of its own in the flow rate."""
-        return 0.0, 0.0
-
-    def store(self, time: float) -> None:
-        """Do nothing: the sources of a step belong to the arrangement of its particles."""

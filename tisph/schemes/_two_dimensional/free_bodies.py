@@ -36,7 +36,7 @@ import numpy as np
 
 from tisph.runtime import real, scalar, ti, view
 from tisph.schemes._two_dimensional.equations import Equations
-from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, ExtraStress
+from tisph.schemes._two_dimensional.parts import MOST_ITERATIONS, Coupling, ExtraStress
 from tisph.schemes._two_dimensional.time_levels import TimeLevels, TimeWeights
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 from tisph.snapshot import Bodies
@@ -451,7 +451,7 @@ class FreeWallBoundary(WallBoundary):
         return ti.select(self.closes[i] > 0, gamma0, retained)
 
 
-class FreeBodyCoupling:
+class FreeBodyCoupling(Coupling):
     """The ``Coupling`` of the bodies of a ``FreeWallBoundary`` with the fluid: loads and velocities.
 
     With the velocities of the bodies it finds the curl of the vorticity at walls. ``precision``: relative rounding

@@ -11,6 +11,7 @@ import numpy as np
 
 from tisph.runtime import view
 from tisph.schemes._two_dimensional.equations import Equations
+from tisph.schemes._two_dimensional.parts import Coupling
 from tisph.schemes._two_dimensional.wall_boundary import WallBoundary
 from tisph.solvers.stokes import Unknowns
 
@@ -18,14 +19,12 @@ SETTLED = 0.3
 """Part of the tolerance of a step, times the velocity, that m may be off by."""
 
 
-class MeanVelocityControl:
+class MeanVelocityControl(Coupling):
     """The ``Coupling`` that finds the ``acceleration`` g along x for the ``kept_mean_velocity`` of a problem.
 
     ``response``: dm/dg over dt/gamma_0; it is 1 without the parts that pressure and viscosity take. ``levels``: pairs
     of a time and g of the last two steps, newest first.
     """
-
-    rounding, sets_curls = 0.0, False
 
     def __init__(self, problem: Any, boundary: WallBoundary) -> None:
         self.problem, self.boundary = problem, boundary
@@ -58,10 +57,6 @@ class MeanVelocityControl:
         self.response = self._mean(equations)
         newest[fluid] += wanted / self.response * unit
         return solved
-
-    def correct_start(self, equations: "Equations", tolerance: float) -> bool:
-        """Return True: the first pressure changes nothing."""
-        return True
 
     def _measure_section(self, time: float) -> None:
         """Compute the weights of the present positions, at ``time``, in the mean velocity."""
@@ -112,10 +107,6 @@ class MeanVelocityControl:
         self.tried = self.acceleration, mean
         self._accelerate(equations, self.acceleration + (wanted - mean) / (self.response * self.scale))
         return False
-
-    def error(self) -> tuple[float, float]:
-        """Return zeros: a step has no error of its own in the mean velocity."""
-        return 0.0, 0.0
 
     def store(self, time: float) -> None:
         """Store the acceleration of the step as the newest level."""

@@ -7,7 +7,7 @@ coordinates; pressures and stresses are per unit density.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -230,35 +230,40 @@ class Boundary:
         """Restore the numbers of ``host_state``."""
 
 
-class Coupling(Protocol):
-    """Unknowns that are found together with velocity and pressure in the outer iterations of a step."""
+class Coupling:
+    """Unknowns that are found together with velocity and pressure in the outer iterations of a step; here none.
 
-    rounding: float
-    """Residual of the pressure below which there is only rounding."""
+    ``rounding``: residual of the pressure below which there is only rounding. ``sets_curls``: whether ``correct`` sets
+    the curl of the vorticity at walls.
+    """
 
-    sets_curls: bool
-    """Whether ``correct`` sets the curl of the vorticity at walls."""
+    rounding, sets_curls = 0.0, False
 
     def start(self, equations: "Equations", tolerance: float) -> bool:
         """Apply the impulse at the start; return whether its system was solved."""
+        return True
 
     def correct_start(self, equations: "Equations", tolerance: float) -> bool:
         """Correct the first accelerations by the first pressure; return whether they had converged."""
+        return True
 
     def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
         """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
 
     def unknowns(self, dt: float) -> "Unknowns":
         """Return the unknowns of a step ``dt`` in a system that is solved for all of them together."""
+        raise NotImplementedError
 
     def take(self, equations: "Equations", found: np.ndarray) -> None:
         """Take the unknowns (m,) that were ``found`` by it."""
 
     def correct(self, equations: "Equations") -> bool:
         """Correct the unknowns by the flow of the last outer iteration; return whether they had converged."""
+        return True
 
     def error(self) -> tuple[float, float]:
         """Return differences from extrapolated unknowns, also by a level less [velocity]; infinite if not converged."""
+        return 0.0, 0.0
 
     def store(self, time: float) -> None:
         """Store the unknowns at the ``time`` at the end of a step."""

@@ -20,7 +20,7 @@ from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._shifting import TRAVEL, FickianShifting
 from tisph.schemes._two_dimensional import step_limits as limits
 from tisph.schemes._two_dimensional.equations import Equations
-from tisph.schemes._two_dimensional.flow_rate import FlowRateControl, controlled
+from tisph.schemes._two_dimensional.flow_rate import LEAST_REYNOLDS, FlowRateControl
 from tisph.schemes._two_dimensional.free_bodies import FreeBodyCoupling, FreeWallBoundary
 from tisph.schemes._two_dimensional.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes._two_dimensional.mean_velocity import MeanVelocityControl
@@ -116,7 +116,8 @@ class SplittingScheme(ControlledScheme):
             self.mean_velocity = MeanVelocityControl(problem, self.boundary)
             self.couplings.append(self.mean_velocity)
         self.flow_rate: FlowRateControl | None = None
-        if isinstance(self.boundary, OpenWallBoundary) and controlled(problem) and not self.slow:
+        swift = problem.reference_velocity * problem.spacing >= LEAST_REYNOLDS * problem.kinematic_viscosity
+        if isinstance(self.boundary, OpenWallBoundary) and swift and not self.slow:
             self.flow_rate = FlowRateControl(problem, self.boundary)
             self.couplings.append(self.flow_rate)
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)

@@ -148,6 +148,15 @@ def test_other_scenes_name_the_scene_with_open_ends(name):
         load(CONFIGS / f"{name}.yaml", ["ends=1"])
 
 
+@pytest.mark.parametrize("profile", [inlet("profile: uniform"), table([0, 0.5, 1], [0.2, 1, 0])])
+def test_an_inlet_whose_velocity_jumps_at_a_wall_has_no_polymer_and_inertia(loaded, profile):
+    loaded(profile)
+    with pytest.raises(ConfigError, match="must be 0 at walls with oldroyd_b: the stress would be infinite"):
+        loaded(profile, OLDROYD_B)
+    with pytest.raises(ConfigError, match="jumps at a corner, from one wall to another or from an inlet to a wall"):
+        loaded(profile, "fluid.inertia=false")
+
+
 REVERSING = [
     ("velocity: 1.0, amplitude: 2.0, angular_frequency: 1.0, phase: sin", 6.0),
     ("velocity: 1.0, amplitude: -1.1, angular_frequency: 1.0", 0.1),

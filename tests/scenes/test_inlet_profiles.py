@@ -48,6 +48,22 @@ def shear(config):
     return UniformShear(found.flux, found.laws)
 
 
+@pytest.mark.parametrize(("profile", "infinite"), [("parabolic", False), ("uniform", True), (TABLE, True)])
+def test_numbers_that_are_infinite_behind_a_jump_at_a_wall_are_left_out(loaded, profile, infinite):
+    body = "bodies=[{type: circle, centre: [2.0, 1.0], radius: 0.5}]"
+    for bodies, forces in (((), ["bottom", "top"] if not infinite else []), ((body,), [""])):
+        ends = f"ends={{left: {{type: inlet, velocity: {VELOCITY}, profile: {profile}}}, right: {{type: outlet}}}}"
+        scene = scenes.of(loaded(ends, *bodies))
+        series, loads = (
+            scene.time_series(),
+            [f"{kind}_{name}".strip("_") for name in forces for kind in ("drag", "lift")],
+        )
+        drop = [] if infinite else ["pressure_drop"]
+        assert series.columns == [*loads, "inflow", "outflow", *drop]
+        assert len(series.sizes) == len(series.panels) == len(series.columns)
+        assert ("pressure_drop" in scene.flow_quantities) is not infinite
+
+
 PULSE = "{type: inlet, velocity: 1.0, amplitude: 0.8, angular_frequency: 1.0, phase: sin}"
 PULSATING = f"ends={{left: {PULSE}, right: {{type: outlet}}}}"
 SLIT = (PULSATING, "fluid.kinematic_viscosity=0.04", "initial.state=developed")  # Womersley number 5 by half the gap

@@ -120,6 +120,10 @@ LARGEST_BACKFLOW = 0.01
 """Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: that fluid has an
 unknown past, and an outlet without stress may become unstable with it."""
 
+LARGEST_IMBALANCE = 0.01
+"""Largest difference of the flow rates through inlet and outlet in a resolved sample, over the reference velocity times
+the width of the inlet: velocities behind a body or a step have at least this error."""
+
 LARGEST_ADDED_POWER = 0.01
 """Largest power that errors of the viscous operators add to a fluid of varying viscosity in a resolved sample, over the
 dissipation. The error of the velocity in pipes is one to two times this ratio (docs/evidence/stability.md).
@@ -169,6 +173,11 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
         found = snapshot.backflow / scene.reference_velocity
         text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
         return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
+    if snapshot.flow_rates is not None:
+        found = abs(snapshot.flow_rates.sum()) / (scene.reference_velocity * scene.inlet.shape.length)
+        if found > LARGEST_IMBALANCE:
+            text = f"flow rates through inlet and outlet differ by {found:.2g} of that of the reference velocity"
+            return f"flow rates differ by {found:.2g}", f"{text}; resolved up to {LARGEST_IMBALANCE:g}"
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
         return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"

@@ -172,6 +172,9 @@ def profile_problems(config: Any) -> Iterator[Problem]:
     if depends_on_flow_rate(config) and (config.ends.inlet.velocities or config.ends.inlet.amplitude):
         text = "must be parabolic, uniform or a table where the mean velocity changes"
         yield key, f"{text}: a developed {config.fluid.rheology.type} flow has another profile at each velocity"
+    if config.singular and config.fluid.polymer:
+        text = f"must be 0 at walls with {config.fluid.rheology.type}: the stress would be infinite at the corners"
+        yield key, f"{text}; take developed, parabolic, or a table from 0 to 0"
     if not isinstance(given, Table):
         return
     if abs(given.heights[-1] - width) > 1e-9 * width:
@@ -264,11 +267,21 @@ class Stream(Cell):
         """Loads on bodies, the pressure drop, and where the flow along a stepped wall separates and reattaches."""
         loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in LOADS]
         places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
-        return (*loads, "pressure_drop", *places)
+        return (*loads, *(["pressure_drop"] if not self._jumps else []), *places)
 
     def thinnest_layer(self, t: float) -> tuple[float, str]:
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
         return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
+
+    @property
+    def _jumps(self) -> bool:
+        """Whether the velocity of the inlet jumps at a wall: pressure and stress are then infinite at that corner."""
+        return bool(np.abs(self.inlet.profile.value(self.inlet.shape.extent[:, 1])).max() > 1e-9)
+
+    def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
+        """Return the loads on bodies and walls by name; None for walls at which the velocity of the inlet jumps."""
+        infinite = tuple(self.names[self.count :]) if self._jumps else ()
+        return {name: None if name.endswith(infinite) else load for name, load in super().loads(snapshot).items()}
 
     @property
     def solids(self) -> tuple[Body, ...]:
@@ -278,7 +291,7 @@ class Stream(Cell):
     def velocities(self, snapshot: Snapshot) -> dict[str, float]:
         """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``.
 
-        NaN before the first step.
+        NaN before the first step; the pressure drop is NaN as well where the velocity of the inlet jumps at a wall.
         """
         if snapshot.flow_rates is None:
             return dict.fromkeys(("inflow", "outflow", "pressure_drop"), math.nan)
@@ -287,7 +300,8 @@ class Stream(Cell):
             float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean())
             for body in self.bodies[-2:]
         ]
-        return {"inflow": inflow, "outflow": outflow, "pressure_drop": at_ends[0] - at_ends[1]}
+        drop = math.nan if self._jumps else at_ends[0] - at_ends[1]
+        return {"inflow": inflow, "outflow": outflow, "pressure_drop": drop}
 
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
@@ -369,10 +383,11 @@ class Stream(Cell):
         return [replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0], scale=scale), v]
 
     def time_series(self) -> TimeSeries:
-        """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop."""
-        chosen = self.names[: self.count] or tuple(name for name, _ in self._walls)
+        """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop, if finite."""
+        walls = [] if self._jumps else [name for name, _ in self._walls]
+        chosen = self.names[: self.count] or walls
         forces = [f"{kind}{name}" for name in chosen for kind in LOADS[:2]]
-        flows = ["inflow", "outflow", "pressure_drop"]
+        flows = ["inflow", "outflow", "pressure_drop"][: 2 if self._jumps else 3]
         force, speed = self.force_scale, self.reference_velocity
         rate = speed * self.inlet.shape.length
 
@@ -388,11 +403,11 @@ class Stream(Cell):
             columns=[*forces, *flows],
             labels=[*((name.replace("_", " "), None) for name in (*forces, *flows))],
             measure=measure,
-            sizes=[*(force for _ in forces), rate, rate, self.density * speed**2],
+            sizes=[*(force for _ in forces), *[rate, rate, self.density * speed**2][: len(flows)]],
             panels=[
                 *((f"{name.partition('_')[0]} per length", "force") for name in forces),
                 *2 * [("flow rate per length", "planar_flow_rate")],
-                ("pressure drop", "stress"),
+                *[("pressure drop", "stress")][: len(flows) - 2],
             ],
         )
 

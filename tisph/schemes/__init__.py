@@ -75,7 +75,8 @@ def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
     if not config.fluid.inertia and (scheme == "wcsph" or config.parallel or not walled):
         yield "fluid.inertia", "must be true but in two-dimensional flow between walls or past bodies, by implicit"
     elif not config.fluid.inertia and config.singular:
-        yield "fluid.inertia", "must be true beside corners at which the velocities of walls jump"
+        text = "must be true where the velocity jumps at a corner, from one wall to another or from an inlet to a wall"
+        yield "fluid.inertia", text
     elif not config.fluid.inertia and config.has_exact_velocity:
         yield "fluid.inertia", f"must be true in scene {config.scene}, whose reference has inertia"
     name = config.fluid.rheology.type

@@ -20,6 +20,7 @@ times. Where a particle is overdue by the whole of its area, one that is about t
 slow one near a wall leaves a void behind it for long.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -47,7 +48,7 @@ UNJUDGED = 5.0
 """Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count; and that
 of particles from one that enters, up to which they matter to it."""
 
-KEPT = "outlet_velocity", "v_slope", "passages", "due"
+KEPT = "outlet_velocity", "v_slope", "passages", "due", "squares"
 """Arrays that a checkpoint keeps."""
 
 DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30}
@@ -71,7 +72,9 @@ class OpenWallBoundary(WallBoundary):
 
     ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``divergence`` (fluid,): divergence
     of the newest velocities, by the operators at the end of the present step. ``passages`` (fluid,): how often a
-    particle, by its number at the start, has left and entered. ``v_slope``: dv/dx at the inlets' points.
+    particle, by its number at the start, has left and entered. ``v_slope``: dv/dx at the inlets' points. ``squares``
+    (parts, 3): sums of the squares of divergence and gradient, and numbers of particles, of parts of the channel that
+    are as long as the inlet is wide.
     """
 
     def __init__(self, problem: Any, *others: Any) -> None:
@@ -113,6 +116,7 @@ class OpenWallBoundary(WallBoundary):
         self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
         self.v_slope = np.zeros(len(self.of_inlets))
+        self.squares = np.zeros((0, 3))
 
     def set_grid(self, time: float) -> None:
         """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
@@ -269,6 +273,7 @@ class OpenWallBoundary(WallBoundary):
         self.velocity[self.of_outlet] = self.outlet_velocity
         super().store(time)
         self.store_ends()
+        self.measure_parts()
         if self.replaced:
             self.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
@@ -281,6 +286,12 @@ class OpenWallBoundary(WallBoundary):
         """
         found = [super().load_scatter, self.loads.scatter([len(self.walls.bodies) - 2])]
         return max((each for each in found if each), default=None)
+
+    def residual(self, least: float) -> float:
+        """Return the largest residual of the parts of the channel: faults at an end count, however long the channel."""
+        divergence, gradient, count = self.squares.T
+        ratios = divergence / np.maximum(gradient, least**2 * np.maximum(count, 1))
+        return max(super().residual(least), math.sqrt(ratios.max(initial=0.0)))
 
     def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
         """Return the numbers of a ``Snapshot`` about open ends, by name."""
@@ -301,6 +312,14 @@ class OpenWallBoundary(WallBoundary):
         curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
         levels = [float(curve.integrate(0.0, width)), float(-speed.min())]
         self.outflows = [levels, *self.outflows][:LOAD_LEVELS]
+
+    def measure_parts(self) -> None:
+        """Sum the squares of divergence and gradient in the parts of the channel."""
+        levels, fluid = self.levels, slice(self.problem.n_fluid)
+        part = (np.abs(self.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length).astype(int)
+        gradient = sum((view(slope)[fluid, :2].astype(float) ** 2).sum(axis=1) for slope in (levels.d_dx, levels.d_dy))
+        squares = view(levels.divergence)[fluid].astype(float) ** 2, gradient, None
+        self.squares = np.stack([np.bincount(part, each) for each in squares], axis=1)
 
     def store_ends(self) -> None:
         """Store the outflow, and dv/dx at the inlets."""

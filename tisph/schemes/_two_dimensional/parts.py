@@ -218,6 +218,10 @@ class Boundary:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
         return None
 
+    def residual(self, least: float) -> float:
+        """Return the divergence over the gradient of the velocities, or the ``least`` one, as root mean squares."""
+        return self.levels.residual(least)
+
     def numbers(self) -> Mapping[str, Any]:
         """Return the numbers of the boundary for ``summary.json``."""
         return {}

@@ -185,7 +185,7 @@ class SplittingScheme(ControlledScheme):
     @property
     def residual(self) -> float:
         """Divergence of the velocities over their gradient, where that is not too small to tell."""
-        return self.levels.residual(limits.LEAST_GRADIENT * self.error_speed / self.problem.spacing)
+        return self.boundary.residual(limits.LEAST_GRADIENT * self.error_speed / self.problem.spacing)
 
     def begin_steps(self) -> None:
         """Choose the first step, or the first one after a change."""

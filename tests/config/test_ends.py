@@ -149,7 +149,7 @@ def test_other_scenes_name_the_scene_with_open_ends(name):
 
 
 @pytest.mark.parametrize("profile", [inlet("profile: uniform"), table([0, 0.5, 1], [0.2, 1, 0])])
-def test_an_inlet_whose_velocity_jumps_at_a_wall_has_no_polymer_and_inertia(loaded, profile):
+def test_a_velocity_that_jumps_at_walls_has_inertia_and_no_polymer(loaded, profile):
     loaded(profile)
     with pytest.raises(ConfigError, match="must be 0 at walls with oldroyd_b: the stress would be infinite"):
         loaded(profile, OLDROYD_B)

@@ -49,7 +49,7 @@ def shear(config):
 
 
 @pytest.mark.parametrize(("profile", "infinite"), [("parabolic", False), ("uniform", True), (TABLE, True)])
-def test_numbers_that_are_infinite_behind_a_jump_at_a_wall_are_left_out(loaded, profile, infinite):
+def test_infinite_numbers_behind_a_jump_at_a_wall_are_left_out(loaded, profile, infinite):
     body = "bodies=[{type: circle, centre: [2.0, 1.0], radius: 0.5}]"
     for bodies, forces in (((), ["bottom", "top"] if not infinite else []), ((body,), [""])):
         ends = f"ends={{left: {{type: inlet, velocity: {VELOCITY}, profile: {profile}}}, right: {{type: outlet}}}}"

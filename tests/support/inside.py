@@ -48,7 +48,7 @@ PARTS = {
     "schemes._two_dimensional.free_bodies": "Contact RESIDUAL",
     "schemes._two_dimensional.scheme": "COURANT SplittingScheme",
     "schemes._two_dimensional.step_limits": "FIRST TOLERANCE two_dimensional_step_control=step_control",
-    "schemes._two_dimensional.time_levels": "TimeWeights VELOCITIES",
+    "schemes._two_dimensional.time_levels": "PlanarCoordinates TimeWeights VELOCITIES",
     "schemes._two_dimensional.wall_boundary": "scatter",
     "schemes._two_dimensional.wall_points": "WallPoints WallsOfRevolution",
     "schemes.wcsph._bodies": "Loads",

@@ -97,8 +97,13 @@ TESTS = {
         "studies/test_stability",
     ],
     "schemes/_two_dimensional/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
-    "schemes/_two_dimensional/open_ends": ["schemes/test_passages", "schemes/test_open_ends", "scenes/test_outline"],
-    "schemes/_two_dimensional/flow_rate": ["schemes/test_open_ends"],
+    "schemes/_two_dimensional/open_ends": [
+        "schemes/test_parts_of_open_ends",
+        "schemes/test_passages",
+        "schemes/test_open_ends",
+        "scenes/test_outline",
+    ],
+    "schemes/_two_dimensional/flow_rate": ["schemes/test_parts_of_open_ends", "schemes/test_open_ends"],
     "schemes/_two_dimensional/free_bodies": [
         "observers/test_free_bodies",
         "scenes/test_suspension_stress",
@@ -109,6 +114,7 @@ TESTS = {
     "schemes/_two_dimensional/mean_velocity": ["schemes/test_slow_flow", "schemes/test_axisymmetric"],
     "schemes/_two_dimensional/time_levels": [
         "schemes/test_two_dimensional_parts",
+        "schemes/test_coordinates",
         "schemes/test_log_conformation",
         "schemes/test_two_dimensional",
         "schemes/test_axisymmetric",
@@ -116,6 +122,7 @@ TESTS = {
     ],
     "schemes/_two_dimensional/wall_": [
         "schemes/test_two_dimensional_parts",
+        "schemes/test_coordinates",
         "schemes/test_curved_walls",
         "schemes/test_slow_flow",
         "schemes/test_axisymmetric",

@@ -1,5 +1,6 @@
 """A channel with open ends whose walls are no planes: its config, its ends and particles, and a short run."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import h5py
@@ -16,7 +17,7 @@ from tisph.geometry.outline import Outline
 from tisph.observers.samples import Description
 from tisph.observers.vtk import POLY_LINE, append_bodies, has_outlines
 from tisph.schemes._two_dimensional.wall_points import WallPoints
-from tisph.snapshot import Bodies
+from tisph.snapshot import Bodies, Snapshot
 
 STEP = """\
 scene: channel
@@ -128,3 +129,30 @@ def test_flow_over_a_step_leaves_as_it_enters(tmp_path):
     assert inflow == pytest.approx(0.5 * 0.2, rel=0.02)  # the sum over six points of a parabola is 1.4 % too large
     assert outflow == pytest.approx(inflow, rel=0.05)  # measured: 3.4 %, six points against twelve make 1 % of it
     assert np.abs(boundary.velocity[boundary.walls.solid]).max() == 0.0
+
+
+def test_a_table_of_an_inlet_above_a_step_has_the_width_of_the_inlet(tmp_path):
+    table = "ends.left.profile={{heights: [0.0, 0.25, {}], velocities: [0.0, 1.0, 0.0]}}"
+    inlet = scenes.of(loaded(tmp_path, table.format(0.5))).inlet
+    found = inlet.velocity(np.array([[0.0, 0.5], [0.0, 0.75], [0.0, 1.0]]), 1.0)[:, 0]
+    assert found == pytest.approx([0.0, found.max(), 0.0], abs=1e-12)
+    with pytest.raises(ConfigError, match=r"must end at the width of the inlet, 0\.5"):
+        loaded(tmp_path, table.format(1.5))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_flow_reattaches_where_its_shear_changes_sign(tmp_path, mirrored):
+    """At x = 1.45, behind a step with linear shear, of which fits of degree 4 are exact; or at its mirror image."""
+    outline = np.array([[0.0, 0.5], [0.8, 0.5], [0.8, 0.0], [2.0, 0.0]])
+    sides, image = ("left", "right"), lambda x: 2.0 - x if mirrored else x
+    if mirrored:
+        outline, sides = image(outline)[::-1] * [1.0, -1.0] + [0.0, 2.0], sides[::-1]
+    ends = f"ends={{{sides[0]}: {{type: inlet, velocity: 1.0, profile: parabolic}}, {sides[1]}: {{type: outlet}}}}"
+    scene = scenes.of(loaded(tmp_path, ends, f"walls.bottom.outline={outline.tolist()}"))
+    x, y = scene.jittered(1, 0.3)
+    part = 2.0 * y - 1.0
+    u = np.where(image(x) < 0.9, 6.0 * part * (1.0 - part), (image(x) - 1.45) * y) * (-1.0 if mirrored else 1.0)
+    snapshot = Snapshot(0.0, 0, x, y, u, 0.0 * x, 0.0 * x, 0.0 * x)
+    found = scene.diagnostics(replace(snapshot, bodies=Bodies.at(0.0, scene.bodies)), [])
+    assert found["reattachment_bottom"] == pytest.approx(image(1.45), abs=1e-9)
+    assert 0.6 < image(found["separation_bottom"]) < 1.0  # at the step

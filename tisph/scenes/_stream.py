@@ -317,7 +317,8 @@ class Stream(Cell):
         height d of the body. ``pressure_difference``: at the first point of a body along x minus at the last.
         ``mass_imbalance``: inflow minus outflow over the flow rate of the reference velocity. ``backflow``: largest
         velocity into the fluid at the outlet over the reference velocity. ``separation_bottom`` and
-        ``reattachment_bottom``: the first and last place x where the flow along a stepped wall changes its direction.
+        ``reattachment_bottom``: the first and last place x, from the inlet on, where the flow along a stepped wall
+        changes its direction from forwards to back, and from back to forwards.
         """
         loads, flows = self.loads(snapshot), self.velocities(snapshot)
         found: dict[str, Any] = {**loads, **flows}
@@ -356,7 +357,7 @@ class Stream(Cell):
             if name[1:] not in self._stepped:
                 continue
             boundary = body.boundary_points(0.5 * self.spacing)
-            order = np.argsort(boundary.point[:, 0], kind="stable")
+            order = np.argsort(self.inlet.shape.normal[0] * boundary.point[:, 0], kind="stable")  # downstream
             point, normal = boundary.point[order], boundary.normal[order]
             fits, radius = local_fits(tree, point, velocity, 4)
             slopes = fits[:, 1:3] / radius[:, :, None]  # (points, along x or y, u or v)

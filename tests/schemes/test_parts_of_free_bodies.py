@@ -1,0 +1,105 @@
+"""Parts of a step of free bodies against exact values: gaps that close, contacts, levels after a jump, buoyancy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from case_from_text import started
+from inside import Contact
+
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
+from tisph.runtime import view
+
+pytestmark = pytest.mark.taichi
+
+CHANNEL = """
+scene: channel
+fluid: {density: 2.0, kinematic_viscosity: 1.0}
+geometry: {gap: 1.0, length: 1.5}
+walls: {top: {velocity: 1.0}}
+bodies:
+- {type: circle, centre: [0.5, 0.5], radius: 0.25, motion: free, density: 3.0, force: [0.7, -0.2]}
+discretisation: {particles_across: 12}
+time: {end: 1.0}
+runtime: {threads: 1}
+"""
+
+
+@pytest.fixture(scope="module")
+def scheme(tmp_path_factory):
+    """Scheme with a free circle in shear, with the operators after three steps."""
+    _, scheme = started(tmp_path_factory.mktemp("case"), CHANNEL, [])
+    for _ in range(3):
+        scheme.advance()
+    scheme.assemble(scheme.time)
+    return scheme
+
+
+def test_in_a_gap_that_closes_a_point_has_the_mean_of_the_pressures_around(scheme):
+    """By halves where the other wall is 3/4 of a spacing away. The mean is of all within 2.5 spacings."""
+    boundary, problem, points = scheme.boundary, scheme.problem, scheme.points
+    walls, distances = np.arange(problem.n_fluid, problem.particles), np.full((problem.particles, 2), 10.0)
+    distances[: problem.n_fluid] = 0.95
+    distances[0], distances[walls, 0] = [0.9, 1.11], 0.0
+    entries, listed = points.rows_of(walls)
+    table = view(points.neighbours)[entries]
+    place = view(points.position)
+    apart = place[table] - place[walls, None]
+    apart -= [problem.length, 0.0] * np.round(apart / [problem.length, np.inf])
+    square = (apart**2).sum(axis=2) / problem.spacing**2
+    mean = np.where(listed, np.maximum(1.0 - square / 2.5**2, 0.0) ** 2, 0.0)
+    rows, pressures = {}, {}
+    for away, part in ((1.2, 0.0), (1.0, 0.0), (0.75, 0.5), (0.5, 1.0), (0.1, 1.0)):
+        distances[walls, 1] = away
+        boundary.close_gaps(problem.spacing * distances)
+        assert view(boundary.continued)[walls] == pytest.approx(part, abs=1e-12)
+        boundary.set_neumann_rows()
+        rows[part] = np.where(listed, view(scheme.operators.laplacian)[entries], 0.0)
+        boundary.add_normal_momentum(scheme.equations, 0.01, 1.5, 1.0)
+        pressures[part] = view(scheme.equations.pressure.b)[walls].copy()
+        assert boundary.open_parts()[0] == pytest.approx(1.0 - part, abs=1e-12)
+    assert rows[1.0] * problem.spacing**2 == pytest.approx(mean, abs=1e-9)
+    assert rows[0.5] == pytest.approx(0.5 * (rows[0.0] + rows[1.0]), rel=1e-9, abs=1e-9)
+    assert view(scheme.operators.diagonal)[walls] == pytest.approx(-rows[1.0].sum(axis=1), rel=1e-9)
+    assert np.abs(pressures[0.0]).max() > 1.0
+    assert pressures[0.5] == pytest.approx(0.5 * pressures[0.0], rel=1e-12)
+    assert (pressures[1.0] == 0.0).all()
+    closed = boundary.open_parts()[1] == 0.0  # both walls within two spacings together
+    assert closed.tolist() == [False] + [True] * (problem.n_fluid - 1)
+
+
+def test_after_a_jump_bodies_have_the_newest_velocity_alone(scheme):
+    boundary, motion = scheme.boundary, scheme.boundary.free.motions[0]
+    newest = motion.velocities[0].copy()
+    for after in (boundary.forget, lambda: boundary.jump(scheme.time)):
+        motion.times, motion.velocities = [3.0, 2.0, 1.0], [newest, newest + 1.0, newest - 1.0]
+        after()
+        assert [velocity.tolist() for velocity in motion.velocities] == [newest.tolist()]
+
+
+def test_an_acceleration_of_the_fluid_pulls_bodies_by_what_they_displace(scheme, monkeypatch):
+    """Per unit density of the fluid, in addition to forces from outside."""
+    free = scheme.boundary.free
+    motion = free.motions[0]
+    before = free.load[0].copy()
+    assert before == pytest.approx([0.7 / 2.0, -0.2 / 2.0, 0.0])
+    with monkeypatch.context() as patch:
+        patch.setattr(motion, "inertia", replace(motion.inertia, displaced=0.4))
+        free.accelerate(3.0)
+    assert free.load[0] == pytest.approx(before + np.array([1.2, 0.0, 0.0]), rel=1e-12)
+    free.accelerate(3.0)
+    assert free.load[0] == pytest.approx(before)
+
+
+def test_contacts_are_counted_when_they_begin():
+    contact = Contact([Body(Circle(0.2), (x, 0.5)) for x in (0.3, 0.8)], 0.1, 1.0, 0.05)
+    steps = {}, {(0, 1): 2.0}, {(0, 1): 5.0, (0, 2): 1.0}, {}, {(0, 1): 3.0}
+    for forces, dt in zip(steps, (0.1, 0.2, 0.3, 0.4, 0.5), strict=True):
+        contact.accept(forces, dt)
+    assert (contact.count, contact.duration, contact.largest) == (3, pytest.approx(1.0), 5.0)
+    state = contact.state()
+    contact.reset()
+    assert (contact.count, contact.duration, contact.largest, contact.touching) == (0, 0.0, 0.0, set())
+    contact.restore(state)
+    assert contact.state() == state

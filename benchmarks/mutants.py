@@ -105,13 +105,18 @@ TESTS = {
     ],
     "schemes/_two_dimensional/flow_rate": ["schemes/test_parts_of_open_ends", "schemes/test_open_ends"],
     "schemes/_two_dimensional/free_bodies": [
+        "schemes/test_parts_of_free_bodies",
         "observers/test_free_bodies",
         "scenes/test_suspension_stress",
         "schemes/test_slow_flow",
         "schemes/test_free_bodies",
         "schemes/test_scatter_of_steps",
     ],
-    "schemes/_two_dimensional/mean_velocity": ["schemes/test_slow_flow", "schemes/test_axisymmetric"],
+    "schemes/_two_dimensional/mean_velocity": [
+        "schemes/test_parts_of_tubes",
+        "schemes/test_slow_flow",
+        "schemes/test_axisymmetric",
+    ],
     "schemes/_two_dimensional/time_levels": [
         "schemes/test_two_dimensional_parts",
         "schemes/test_coordinates",
@@ -123,12 +128,13 @@ TESTS = {
     "schemes/_two_dimensional/wall_": [
         "schemes/test_two_dimensional_parts",
         "schemes/test_coordinates",
+        "schemes/test_parts_of_tubes",
         "schemes/test_curved_walls",
         "schemes/test_slow_flow",
         "schemes/test_axisymmetric",
         "schemes/test_fluids_of_revolution",
     ],
-    "solvers/stokes": ["schemes/test_slow_flow", "schemes/test_open_ends"],
+    "solvers/stokes": ["schemes/test_parts_of_tubes", "schemes/test_slow_flow", "schemes/test_open_ends"],
     "scenes/_stream": [
         "scenes/test_inlet_profiles",
         "scenes/test_outline",

@@ -64,7 +64,7 @@ def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
 
 
 def test_velocity_and_pressure_of_slow_flow_take_few_iterations(tmp_path):
-    """At the start, and in steps, the acceleration that keeps the mean among the unknowns: measured 32, and 23 to 27."""
+    """The acceleration that keeps the mean is one of the unknowns. At the start 32, then 22 to 27."""
     _, scheme = started(tmp_path, SPHERE, ["fluid.inertia=false"])
     stokes, counts = scheme.equations.stokes, []
     for _ in range(3):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import Cell
+from inside import STRESS_BY_BODIES, STRESS_BY_CONTACTS, STRESS_ON_WALLS, Cell
 from inside import cell_rule as _rule
 from report_scene import Drawn, make_video
 
@@ -110,6 +110,7 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
 
 @pytest.mark.parametrize(("text", "change", "said"), [
     (LATTICE, "drive.acceleration=0.0", "nothing moves"),
+    (LATTICE.replace("0.25}]", "0.25, motion: free}]"), "drive.acceleration=0.0", "nothing moves"),
     (LATTICE, "bodies=[]", "bodies = []: must not be empty"),
     (LATTICE, "discretisation={spacing: 10.0}", "must fit across the height"),
     (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
@@ -269,6 +270,24 @@ def test_the_mean_velocity_is_drawn_where_it_is_not_zero(tmp_path, text, drawn):
     """In a closed box it is 0."""
     panels = scene_of(loaded(tmp_path, text)).time_series().panels
     assert (("superficial velocity", "velocity") in panels) == drawn
+
+
+def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(tmp_path):
+    """In a flow of uniform shear: of stresslets 3 and 0.5, the torque 4, and the force 2 at 0.1 above mid-gap, and -7.
+
+    The first body is free to turn and the second is held, by what the fluid and contact do not give.
+    """
+    free = "{centre: [0.4, 0.6], radius: 0.2, motion: free, force: [2.0, 0.0], torque: 4.0}"
+    scene = scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{free}, {{centre: [1.1, 0.4], radius: 0.2}}]"))
+    loads, contact = np.zeros((2, 4, 4)), np.zeros((4, 4))
+    loads[0, 0], loads[0, 1], contact[1] = [-5.0, 1.0, 9.0, 3.0], [6.0, 0.0, 2.0, 0.5], [1.0, 0.0, 1.5, 0.25]
+    loads[0, 2:, 0] = [5.0, -4.0]  # bottom and top
+    snapshot = snapshot_of(scene, lambda x, y: y, lambda x, y: 0 * x)
+    found = scene.mean_stresses(replace(snapshot, bodies=Bodies.at(0.0, scene.bodies, loads, contact=contact)))
+    added = (3.0 + 4.0 / 2 - 0.1 * 2.0) + (0.5 + 0.25 - 3.5 / 2 - 0.1 * 7.0)
+    assert found[STRESS_ON_WALLS] == pytest.approx(0.5 * (5.0 + 4.0) / 1.5, rel=1e-12)
+    assert found[STRESS_BY_CONTACTS] == pytest.approx(0.25 / 1.5, rel=1e-12)
+    assert found[STRESS_BY_BODIES] == pytest.approx(scene.dynamic_viscosity * 1.0 + added / 1.5, rel=1e-12)
 
 
 def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):

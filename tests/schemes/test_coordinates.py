@@ -40,7 +40,7 @@ class Axisymmetric:
 
     @staticmethod
     def unknowns(x, s):
-        return 1.0 + 2.0 * x + 3.0 * s + 0.5 * x * s, -0.7 + x + 2.0 * s, 1.3 - 2.0 * x + s
+        return 1.0 + 2.1 * x + 3.0 * s + 0.5 * x * s, -0.7 + 1.5 * x + 2.2 * s, 1.3 - 1.9 * x + 0.8 * s
 
     @staticmethod
     def numbers(x, s):

@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_from_text import started
-from inside import SMALL, VELOCITIES, PlanarCoordinates, WallsOfRevolution
+from inside import SMALL, VELOCITIES, PlanarCoordinates, WallPoints, WallsOfRevolution
 
 from tisph import scenes
 from tisph.config import load
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
 from tisph.runtime import real, ti, view
 
 pytestmark = pytest.mark.taichi
@@ -192,8 +194,22 @@ def test_walls_of_revolution_have_the_strain_of_space(name):
     twice = gradient + np.swapaxes(gradient, 0, 1)
     expected = [twice[a, b] for a, b in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2))]
     assert walls.strain(*flow.slopes(flow.unknowns)) == pytest.approx(np.stack(expected), rel=ROUNDING, abs=1e-10)
+    assert np.concatenate([np.arange(walls.count)[part] for part in walls.parts]).tolist() == list(range(walls.count))
     tractions = np.tile([1.0, 5.0, 2.0], (2, walls.count, 1))
     loads = walls.sums(tractions, 0.0)[1]
     for number, part in enumerate(walls.parts):
         area = 2.0 * np.pi * flow.r[part] * walls.length[part]
         assert loads[number] == pytest.approx([area.sum(), 0.0, 2.0 * area @ flow.r[part], 0.0], rel=ROUNDING)
+
+
+def test_walls_in_the_plane_have_its_strain_and_the_loads_of_a_constant_stress():
+    """Of a stress S on a circle with the area A: no force, the torque A (S_xy - S_yx), their mean times A."""
+    bodies = [Body(Circle(radius), (x, 1.0)) for radius, x in ((0.4, 1.0), (0.3, 3.0))]
+    walls = WallPoints(bodies, 0.05, (0.0, 0.0))
+    (xx, yx), (xy, yy) = gradient = np.random.default_rng(3).normal(size=(2, 2, walls.count))  # du_b/dx_a
+    strain = walls.strain(np.zeros((2, walls.count)), *gradient)
+    assert strain == pytest.approx(np.stack([2.0 * xx, yx + xy, 2.0 * yy]), rel=ROUNDING)
+    stress = np.array([[1.0, 0.7], [-0.4, 2.0]])  # traction t_b = n_a S_ab
+    loads = walls.sums((walls.at(0.0)[1] @ stress)[None], 0.0)[0]
+    for found, body in zip(loads, bodies, strict=True):
+        assert found == pytest.approx(body.shape.area * np.array([0.0, 0.0, 0.7 + 0.4, 0.5 * (0.7 - 0.4)]), abs=1e-12)

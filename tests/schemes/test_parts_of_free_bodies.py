@@ -92,6 +92,26 @@ def test_an_acceleration_of_the_fluid_pulls_bodies_by_what_they_displace(scheme,
     assert free.load[0] == pytest.approx(before)
 
 
+@pytest.mark.parametrize(("curls", "most"), [(0, 4), (2, 12)])
+def test_bodies_find_the_velocities_of_a_linear_problem(scheme, curls, most):
+    """Whatever the guess of its derivatives: with as many differences as unknowns after one iteration more than these.
+
+    Curls at walls that follow from the velocities are further unknowns, more than the differences that are kept.
+    """
+    free, draw = scheme.boundary.free, np.random.default_rng(4).normal
+    matrix, exact, given = np.eye(3) + 0.3 * draw(size=(3, 3)), draw(size=3), np.zeros(curls)
+    coupled = 0.3 * draw(size=(3, curls))
+    free.begin(np.zeros((1, 3)), np.full((1, 3), 2.0))
+    for _ in range(most):
+        found = 0.1 * coupled.T @ (free.velocities[0] - exact)
+        residual = (matrix @ (free.velocities[0] - exact) + coupled @ given)[None]
+        assert not free.correct(residual, 1e-9, given if curls else None, found if curls else None)
+        if free.converged < 1e-7:
+            break
+    assert free.velocities[0] == pytest.approx(exact, abs=1e-8)
+    assert free.correct((matrix @ (free.velocities[0] - exact) + coupled @ given)[None], 1e-8)
+
+
 def test_contacts_are_counted_when_they_begin():
     contact = Contact([Body(Circle(0.2), (x, 0.5)) for x in (0.3, 0.8)], 0.1, 1.0, 0.05)
     steps = {}, {(0, 1): 2.0}, {(0, 1): 5.0, (0, 2): 1.0}, {}, {(0, 1): 3.0}

@@ -16,14 +16,14 @@ scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 0.02}
 geometry: {gap: 1.0, length: 3.0}
 ends:
-  left: {type: inlet, velocity: 1.0}
+  left: {type: inlet, velocity: 2.0}
   right: {type: outlet}
 initial: {state: developed}
 discretisation: {particles_across: 12}
 time: {end: 1.0}
 runtime: {threads: 1}
 """
-MIRRORED = "ends={left: {type: outlet}, right: {type: inlet, velocity: 1.0}}"
+MIRRORED = "ends={left: {type: outlet}, right: {type: inlet, velocity: 2.0}}"
 
 
 @pytest.fixture(scope="module", params=[(), (MIRRORED,)], ids=["from the left", "from the right"])
@@ -71,7 +71,7 @@ def control(scheme):
     """The control of the flow rate at the beginning of a step of 0.01 of steady Poiseuille flow."""
     levels, points, control = scheme.levels, scheme.problem.particles, scheme.flow_rate
     y = scheme.boundary.positions[:, 1] + scheme.problem.origin[1]
-    steady = control.along * 6.0 * y * (1.0 - y)
+    steady = control.along * 12.0 * y * (1.0 - y)
     fields = view(levels.fields)[:points]
     fields[...] = 0.0
     fields[:, :8:2] = steady[:, None]
@@ -100,7 +100,7 @@ def test_an_error_of_the_flow_rate_is_removed_between_inlet_and_first_section(sc
     assert control.correct(equations)
     view(equations.velocity.x)[:points, 0] += 0.1 * control.along
     assert not control.correct(equations)
-    renewal = 3.0 / 3  # the length over the number of sections and the velocity
+    renewal = 3.0 / 3 / 2.0  # the length over the number of sections and the velocity
     x = scheme.boundary.positions[: scheme.problem.n_fluid, 0] + scheme.problem.origin[0]
     before = (x if control.along > 0.0 else 3.0 - x) < 0.5
     area = before.sum() * scheme.problem.spacing**2

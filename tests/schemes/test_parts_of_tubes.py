@@ -74,6 +74,17 @@ def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
         assert np.linalg.norm((boundary.present_curls - exact)[part]) < bound * np.linalg.norm(exact[part])
 
 
+def test_the_grid_follows_walls_once_they_have_moved_by_a_spacing(scheme, monkeypatch):
+    boundary, walls, times = scheme.boundary, scheme.boundary.walls, []
+    places, moving = walls.at, np.tile([2.0, 0.0, 0.0], (walls.count, 1))
+    monkeypatch.setattr(walls, "at", lambda time: (*places(time)[:2], moving))
+    monkeypatch.setattr(boundary, "set_grid", times.append)
+    boundary.grid_time = 1.0
+    for part in (0.4, -0.4, 0.6):  # times the speed of 2
+        boundary.move(1.0 + part * scheme.problem.spacing)
+    assert times == [1.0 + 0.6 * scheme.problem.spacing]
+
+
 @pytest.mark.parametrize(
     ("change", "first", "later"),
     [("fluid.inertia=false", 22, 25), ("fluid.kinematic_viscosity=100", 15, 13)],

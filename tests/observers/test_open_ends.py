@@ -115,7 +115,7 @@ def test_a_movie_shows_forces_or_flow_rates_and_needs_no_pressure(make, bodies, 
     assert series.measure(snapshot) == pytest.approx([1.0, 1.0])
 
 
-def test_flow_rates_and_backflow_are_relative_to_those_of_the_reference(make):
+def test_imbalance_and_backflow_are_relative_to_the_reference(make):
     """That has a velocity of 3 through a width of 0.5."""
     _, scene, start = make("geometry.gap=0.5", "ends.left.velocity=3.0")
     found = scene.diagnostics(later(scene, start, 1.0, flow_rates=np.array([1.0, -0.7])), [])

@@ -131,7 +131,7 @@ def test_flow_over_a_step_leaves_as_it_enters(tmp_path):
     assert np.abs(boundary.velocity[boundary.walls.solid]).max() == 0.0
 
 
-def test_a_table_of_an_inlet_above_a_step_has_the_width_of_the_inlet(tmp_path):
+def test_a_table_above_a_step_has_the_width_of_the_inlet(tmp_path):
     table = "ends.left.profile={{heights: [0.0, 0.25, {}], velocities: [0.0, 1.0, 0.0]}}"
     inlet = scenes.of(loaded(tmp_path, table.format(0.5))).inlet
     found = inlet.velocity(np.array([[0.0, 0.5], [0.0, 0.75], [0.0, 1.0]]), 1.0)[:, 0]

@@ -168,7 +168,7 @@ def test_a_step_moves_all_levels_on_along_the_path(pipe):
     assert view(levels.fields)[fluid] == pytest.approx(np.concatenate(expected, axis=1), rel=ROUNDING)
 
 
-def test_a_flow_that_is_the_same_everywhere_has_no_slope_and_no_fastest_particle(pipe):
+def test_uniform_flow_has_no_slope_and_no_fastest_particle(pipe):
     """Along the axis; what moves across it is the fastest, and what turns around it is the largest only."""
     levels, fluid = pipe.levels, slice(pipe.problem.particles)
     r = places(pipe)[1]
@@ -202,7 +202,7 @@ def test_walls_of_revolution_have_the_strain_of_space(name):
         assert loads[number] == pytest.approx([area.sum(), 0.0, 2.0 * area @ flow.r[part], 0.0], rel=ROUNDING)
 
 
-def test_walls_in_the_plane_have_its_strain_and_the_loads_of_a_constant_stress():
+def test_planar_walls_have_strain_and_loads_of_a_constant_stress():
     """Of a stress S on a circle with the area A: no force, the torque A (S_xy - S_yx), their mean times A."""
     bodies = [Body(Circle(radius), (x, 1.0)) for radius, x in ((0.4, 1.0), (0.3, 3.0))]
     walls = WallPoints(bodies, 0.05, (0.0, 0.0))

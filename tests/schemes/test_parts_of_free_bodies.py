@@ -36,7 +36,7 @@ def scheme(tmp_path_factory):
     return scheme
 
 
-def test_in_a_gap_that_closes_a_point_has_the_mean_of_the_pressures_around(scheme):
+def test_in_a_closing_gap_a_point_has_the_mean_pressure_around(scheme):
     """By halves where the other wall is 3/4 of a spacing away. The mean is of all within 2.5 spacings."""
     boundary, problem, points = scheme.boundary, scheme.problem, scheme.points
     walls, distances = np.arange(problem.n_fluid, problem.particles), np.full((problem.particles, 2), 10.0)
@@ -78,7 +78,7 @@ def test_after_a_jump_bodies_have_the_newest_velocity_alone(scheme):
         assert [velocity.tolist() for velocity in motion.velocities] == [newest.tolist()]
 
 
-def test_an_acceleration_of_the_fluid_pulls_bodies_by_what_they_displace(scheme, monkeypatch):
+def test_an_acceleration_pulls_bodies_by_what_they_displace(scheme, monkeypatch):
     """Per unit density of the fluid, in addition to forces from outside."""
     free = scheme.boundary.free
     motion = free.motions[0]

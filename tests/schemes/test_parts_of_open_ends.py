@@ -36,7 +36,7 @@ def scheme(request, tmp_path_factory):
     return scheme
 
 
-def test_the_divergence_that_is_kept_is_that_at_the_places_before(scheme):
+def test_the_kept_divergence_is_that_at_the_places_before(scheme):
     """Of velocities A x that carried all points by w A x: the trace of A (1 - w A)^-1."""
     levels, boundary, points = scheme.levels, scheme.boundary, scheme.problem.particles
     slopes, step = np.array([[0.3, -1.1], [0.7, 0.4]]), 0.2
@@ -80,7 +80,7 @@ def control(scheme):
     return control
 
 
-def test_sections_have_the_integral_of_a_quadratic_and_pass_bodies_by(scheme, control):
+def test_sections_integrate_quadratics_and_leave_out_bodies(scheme, control):
     boundary, origin = scheme.boundary, scheme.problem.origin
     x, y = (boundary.positions + origin).T
     places = control.sections + origin[0]
@@ -94,7 +94,7 @@ def test_sections_have_the_integral_of_a_quadratic_and_pass_bodies_by(scheme, co
     assert np.sort(control.sections + origin[0]) == pytest.approx([0.5, 2.5])
 
 
-def test_an_error_of_the_flow_rate_is_removed_between_inlet_and_first_section(scheme, control):
+def test_an_excess_flow_rate_is_removed_before_the_first_section(scheme, control):
     """Of steady flow faster by 0.1: an acceleration of 0.1 gamma_0/dt, and 0.1/T at which the excess has to go."""
     equations, points = scheme.equations, scheme.problem.particles
     assert control.correct(equations)

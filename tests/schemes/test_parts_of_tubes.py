@@ -74,7 +74,7 @@ def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
         assert np.linalg.norm((boundary.present_curls - exact)[part]) < bound * np.linalg.norm(exact[part])
 
 
-def test_the_grid_follows_walls_once_they_have_moved_by_a_spacing(scheme, monkeypatch):
+def test_the_grid_follows_walls_that_moved_by_a_spacing(scheme, monkeypatch):
     boundary, walls, times = scheme.boundary, scheme.boundary.walls, []
     places, moving = walls.at, np.tile([2.0, 0.0, 0.0], (walls.count, 1))
     monkeypatch.setattr(walls, "at", lambda time: (*places(time)[:2], moving))
@@ -100,7 +100,7 @@ def test_velocity_and_pressure_of_slow_flow_take_few_iterations(tmp_path, change
     assert max(counts[1:]) <= 1.1 * later
 
 
-def test_slow_flow_between_cylinders_turns_as_a_solid_with_the_pressure_of_that(tmp_path):
+def test_slow_rigid_rotation_has_its_pressure(tmp_path):
     """An annulus has its own lowest radius; errors are those to which the linear systems are solved."""
     _, scheme = started(tmp_path, ROTATING, [])
     for _ in range(2):

@@ -79,7 +79,7 @@ def test_the_error_is_that_of_the_differences(times):
     assert error == pytest.approx(abs(found - NOW**4), rel=1e-9)
 
 
-def test_the_error_of_the_very_first_step_is_half_the_square_of_the_relative_change():
+def test_the_error_of_the_first_step_is_half_its_squared_change():
     """In units of the velocities: of a change by 0.2 at a speed of 4."""
     error, order = TimeWeights([0.0], 0.1).step_error(0.2, 1.0, 4.0)
     assert (error, order) == (pytest.approx(0.5 * (0.2 / 4.0) ** 2 * 4.0, rel=1e-14), 1)

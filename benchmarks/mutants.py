@@ -110,7 +110,6 @@ TESTS = {
         "scenes/test_suspension_stress",
         "schemes/test_slow_flow",
         "schemes/test_free_bodies",
-        "schemes/test_scatter_of_steps",
     ],
     "schemes/_two_dimensional/mean_velocity": [
         "schemes/test_parts_of_tubes",
@@ -123,7 +122,6 @@ TESTS = {
         "schemes/test_log_conformation",
         "schemes/test_two_dimensional",
         "schemes/test_axisymmetric",
-        "schemes/test_fluids_of_revolution",
     ],
     "schemes/_two_dimensional/wall_": [
         "schemes/test_two_dimensional_parts",
@@ -132,7 +130,6 @@ TESTS = {
         "schemes/test_curved_walls",
         "schemes/test_slow_flow",
         "schemes/test_axisymmetric",
-        "schemes/test_fluids_of_revolution",
     ],
     "solvers/stokes": ["schemes/test_parts_of_tubes", "schemes/test_slow_flow", "schemes/test_open_ends"],
     "scenes/_stream": [

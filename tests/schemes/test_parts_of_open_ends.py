@@ -88,7 +88,7 @@ def test_sections_integrate_quadratics_and_leave_out_bodies(scheme, control):
     assert control.weights @ (x + 3.0 * y**2) == pytest.approx(places + 1.0, rel=1e-9)
     boundary.solid.append(Body(Circle(0.2), (1.4, 0.5)))
     try:
-        control.set_sections(boundary.positions, scheme.time)
+        control.place_sections(boundary.positions, scheme.time)
     finally:
         boundary.solid.pop()
     assert np.sort(control.sections + origin[0]) == pytest.approx([0.5, 2.5])

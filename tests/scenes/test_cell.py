@@ -150,6 +150,14 @@ def test_what_a_config_has_of_what_it_needs_is_stated(tmp_path):
     assert lines["narrowest gap"] == "0.3 m, 7.2 spacings (at least 2; resolved from 3 on)"
 
 
+@pytest.mark.parametrize(("viscosity", "scale"), [(0.5, 2.0 * 3.0 * (2.0 - math.pi / 16)), (100.0, 200.0)])
+def test_forces_are_measured_by_what_drives_or_by_viscosity(tmp_path, viscosity, scale):
+    """Of a fluid of density 2 under an acceleration of 3 in a cell of area 2, and of a speed of 1."""
+    changes = "drive.acceleration=3.0", "geometry.length=2.0", "reference={velocity: 1.0}"
+    scene = scene_of(loaded(tmp_path, LATTICE, *changes, f"fluid.kinematic_viscosity={viscosity}"))
+    assert scene.force_scale == pytest.approx(scale, rel=1e-9)
+
+
 def test_bodies_that_meet_later_are_refused(tmp_path):
     bodies = (
         "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"

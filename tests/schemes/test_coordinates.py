@@ -213,3 +213,15 @@ def test_planar_walls_have_strain_and_loads_of_a_constant_stress():
     loads = walls.sums((walls.at(0.0)[1] @ stress)[None], 0.0)[0]
     for found, body in zip(loads, bodies, strict=True):
         assert found == pytest.approx(body.shape.area * np.array([0.0, 0.0, 0.7 + 0.4, 0.5 * (0.7 - 0.4)]), abs=1e-12)
+
+
+def test_points_on_bodies_have_the_velocities_of_their_rigid_motion():
+    bodies = [Body(Circle(radius), (x, 1.0)) for radius, x in ((0.4, 1.0), (0.3, 3.0), (0.2, 5.0))]
+    walls, motions = WallPoints(bodies, 0.05, (0.0, 0.0)), {2: (0.3, -0.5, 2.0), 0: (1.0, 0.7, -3.0)}
+    found = (walls.rigid_motion(list(motions), 0.0) @ np.concatenate(list(motions.values()))).reshape(-1, 2)
+    expected = np.zeros((walls.count, 2))
+    for number, (u, v, rate) in motions.items():
+        part = walls.parts[number]
+        x, y = (walls.at(0.0)[0][part] - bodies[number].centre).T
+        expected[part] = np.stack([u - rate * y, v + rate * x], axis=1)
+    assert found == pytest.approx(expected, abs=1e-12)

@@ -116,7 +116,7 @@ class OpenWallBoundary(WallBoundary):
         self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
         self.v_slope = np.zeros(len(self.of_inlets))
-        self.squares = np.zeros((0, 3))
+        self.squares = np.zeros((1, 3))
 
     def set_grid(self, time: float) -> None:
         """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""

@@ -138,7 +138,8 @@ class WallLoads:
             return None
         loads = np.reshape([each[0][numbers] for each in self.loads[: len(self.times)]], (-1, len(numbers), 4))
         shapes = [self.walls.bodies[number].shape for number in numbers]
-        radii = np.array([math.sqrt(shape.area / math.pi) or 0.5 * shape.length for shape in shapes])
+        # the pressure at an inlet is its load, no torque around some point
+        radii = np.array([math.sqrt(shape.area / math.pi) or math.inf for shape in shapes])
         found = scatter(np.array(self.times), loads[:, :, :2], loads[:, :, 2] / radii)
         return found and (found[0], numbers[found[1]])
 

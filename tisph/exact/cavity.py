@@ -39,6 +39,9 @@ NEWTON_STEPS = 20
 TOLERANCE = 1e-9
 """Largest last step of Newton's method, in units of the lid's speed and the width; the error is about its square."""
 
+FIRST_ORDER = 24
+"""Order whose solution, of a fourteenth of the cost, Newton's method starts from at a higher one."""
+
 FIRST_REYNOLDS, GROWTH = 100.0, 2.0
 """Newton's method starts from Stokes flow; above the first Reynolds number it continues in steps of this factor."""
 
@@ -52,24 +55,36 @@ def stream_function(reynolds: float, aspect: float, order: int) -> np.ndarray:
 
     ValueError if Newton's method does not converge: Re is too large for the order.
     """
-    equations = _Equations(aspect, order)
-    stages = [reynolds]
-    while stages[-1] > FIRST_REYNOLDS:
+    equations, c = _solved(reynolds, aspect, order)
+    return equations.coefficients(c)
+
+
+def _solved(reynolds: float, aspect: float, order: int) -> tuple["_Equations", np.ndarray]:
+    """Return the equations and their solution c (order - 3, order - 3); see ``stream_function``."""
+    equations, stages = _Equations(aspect, order), [reynolds]
+    c = np.zeros((order - 3, order - 3))
+    if order > FIRST_ORDER:  # there the same functions begin the list
+        coarse = _solved(reynolds, aspect, FIRST_ORDER)[1]
+        c[: len(coarse), : len(coarse)] = coarse
+    while order <= FIRST_ORDER and stages[-1] > FIRST_REYNOLDS:
         stages.append(stages[-1] / GROWTH)
-    c = np.zeros((order - 3) ** 2)
     for stage in reversed(stages):
         for _ in range(NEWTON_STEPS):
-            step = np.linalg.solve(*equations.linearised(c, stage))
+            step = np.linalg.solve(*equations.linearised(c, stage)).reshape(c.shape)
             c = c - step
             if np.abs(step).max() <= TOLERANCE:
                 break
         else:
             raise ValueError(f"no steady flow was found at Re = {stage:g}: take a higher order, or a smaller Re")
-    return equations.coefficients(c)
+    return equations, c
 
 
 class _Equations:
-    """The weak form for all phi = f_k f_l as one vector, and its derivatives; integrals by Gauss's quadrature."""
+    """The weak form for all phi = f_k f_l as one vector, and its derivatives; integrals by Gauss's quadrature.
+
+    Functions and points are products, so that fields at the points (n, n) and integrals are products of small matrices:
+    ``functions[axis][k]`` (n, functions) has the k-th derivatives along an axis.
+    """
 
     def __init__(self, aspect: float, order: int) -> None:
         self.aspect = aspect
@@ -77,36 +92,52 @@ class _Equations:
         node, weight = legendre.leggauss(order + 5)  # exact for lap psi lap phi with the lift
         self.place = 0.5 * (1 + node)
         values = [legendre.legvander(node, order - k) @ legendre.legder(self.basis, k) for k in range(3)]
-        along, across = ([value * (2 / size) ** k for k, value in enumerate(values)] for size in (1.0, aspect))
-        self.x, self.y, xx, yy = (np.kron(along[i], across[j]) for i, j in ((1, 0), (0, 1), (2, 0), (0, 2)))
-        self.lap = xx + yy
-        self.lift_x, self.lift_y = self._lift(1, 0), self._lift(0, 1)
-        self.lift_lap = self._lift(2, 0) + self._lift(0, 2)
-        self.weight = np.outer(weight, weight).ravel()
-        self.viscous = self.lap.T @ (self.weight[:, None] * self.lap)
+        self.functions = [[value * (2 / size) ** k for k, value in enumerate(values)] for size in (1.0, aspect)]
+        self.weight = np.outer(weight, weight)
+        laplacian = (2, 0), (0, 2)
+        self.viscous = sum(self._products(self.weight, test, trial) for test in laplacian for trial in laplacian)
 
     def linearised(self, c: np.ndarray, reynolds: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the Jacobian (n, n) of the equations at the coefficients ``c`` (n,), and their residuals (n,)."""
-        x, y, lap = self.x @ c + self.lift_x, self.y @ c + self.lift_y, self.lap @ c + self.lift_lap
+        """Return the Jacobian (n, n) of the equations at the coefficients ``c``, n in all, and their residuals (n,)."""
+        x, y, lap = self._field(c, 1, 0), self._field(c, 0, 1), self._field(c, 2, 0) + self._field(c, 0, 2)
         x, y, weighted = self.weight * x, self.weight * y, self.weight * lap
-        equations = self.lap.T @ weighted + reynolds * (self.x.T @ (lap * y) - self.y.T @ (lap * x))
-        slopes = self.x.T @ (y[:, None] * self.lap + weighted[:, None] * self.y)
-        slopes -= self.y.T @ (x[:, None] * self.lap + weighted[:, None] * self.x)
+        equations = self._tested(weighted, 2, 0) + self._tested(weighted, 0, 2)
+        equations += reynolds * (self._tested(lap * y, 1, 0) - self._tested(lap * x, 0, 1))
+        slopes = self._products(weighted, (1, 0), (0, 1)) - self._products(weighted, (0, 1), (1, 0))
+        for trial in ((2, 0), (0, 2)):
+            slopes += self._products(y, (1, 0), trial) - self._products(x, (0, 1), trial)
         return self.viscous + reynolds * slopes, equations
+
+    def _field(self, c: np.ndarray, i: int, j: int) -> np.ndarray:
+        """Return d^(i + j) psi/dx^i dy^j at the points."""
+        return self.functions[0][i] @ c @ self.functions[1][j].T + self._lift(i, j)
+
+    def _tested(self, field: np.ndarray, i: int, j: int) -> np.ndarray:
+        """Return the sums over the points of a ``field`` times d^(i + j) phi/dx^i dy^j, for all phi."""
+        return (self.functions[0][i].T @ field @ self.functions[1][j]).ravel()
+
+    def _products(self, field: np.ndarray, test: tuple[int, int], trial: tuple[int, int]) -> np.ndarray:
+        """Return the sums over the points of a ``field`` times derivatives, of the orders given, of any two phi."""
+        pairs = [
+            (functions[i][:, :, None] * functions[j][:, None]).reshape(len(field), -1)
+            for functions, i, j in zip(self.functions, test, trial, strict=True)
+        ]
+        count = self.basis.shape[1]
+        sums = (pairs[0].T @ (field @ pairs[1])).reshape(4 * [count])
+        return sums.transpose(0, 2, 1, 3).reshape(count**2, -1)
 
     def coefficients(self, c: np.ndarray) -> np.ndarray:
         """Return the Legendre coefficients of psi."""
-        count = self.basis.shape[1]
-        total = self.basis @ c.reshape(count, count) @ self.basis.T
+        total = self.basis @ c @ self.basis.T
         half = Polynomial([0.5, 0.5])
         profile, height = (legendre.poly2leg(part(half).coef) for part in (LID, Polynomial([0.0, 0.0, -1.0, 1.0])))
         total[: len(profile), : len(height)] += self.aspect * np.outer(profile, height)
         return total
 
     def _lift(self, i: int, j: int) -> np.ndarray:
-        """Return d^(i + j)/dx^i dy^j of the first part of psi at the points of the quadrature."""
+        """Return d^(i + j)/dx^i dy^j of the first part of psi at the points."""
         height = Polynomial([0.0, 0.0, -1.0, 1.0]).deriv(j)(self.place)
-        return np.outer(LID.deriv(i)(self.place), height).ravel() * self.aspect ** (1 - j)
+        return np.outer(LID.deriv(i)(self.place), height) * self.aspect ** (1 - j)
 
 
 def _clamped(order: int) -> np.ndarray:

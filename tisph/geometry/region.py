@@ -33,7 +33,8 @@ class Box:
 
     def places(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return x and y (n,) of ``position`` (n, 2), measured from the lowest corner and wrapped, in the box."""
-        return position[:, 0] % self.length + self.origin[0], position[:, 1] % self.height + self.origin[1]
+        x, y = wrapped(position[:, 0], self.length), wrapped(position[:, 1], self.height)
+        return x + self.origin[0], y + self.origin[1]
 
 
 def box_around(
@@ -65,6 +66,16 @@ def nearest_image(difference: np.ndarray, period: float | Sequence[float] | np.n
     """Return the ``difference`` to the nearest periodic copy; ``period`` [length] is 0 along axes without one."""
     period = np.asarray(period)
     return difference - period * np.round(difference / np.where(period > 0, period, math.inf))
+
+
+def wrapped(values: np.ndarray, period: float) -> np.ndarray:
+    """Return ``values`` (n,) modulo ``period``; few are outside of it, and the others cost next to nothing."""
+    outside = ~((values >= 0.0) & (values < period))
+    if outside.any():
+        values = values.copy()
+        values[outside] %= period
+        values[values >= period] = 0.0  # -1e-20 modulo the period is the period after rounding
+    return values
 
 
 PIECES = 10_000

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import Outlet
-from tisph.geometry.region import nearest_image
+from tisph.geometry.region import nearest_image, wrapped
 from tisph.snapshot import Snapshot
 
 CHUNK = 512
@@ -82,8 +82,7 @@ def interpolated(
     degree, near = ACROSS if scene.parallel else fit
     near = min(near * scene.columns if scene.parallel else near, len(positions))
     tree, _ = periodic_tree(scene, positions, axes)
-    points = _wrapped(points[:, axes], _sizes(scene, axes))
-    found = []
+    points, found = _in_box(scene, points, axes)[0], []
     for part in parts(points):
         equations, weighted, nearest, _ = _normal_equations(tree, part, degree, near)
         inverse = np.linalg.pinv(equations, rcond=UNDETERMINED, hermitian=True)
@@ -113,10 +112,13 @@ def _normal_equations(
     """Return matrices (points, terms, terms) and (points, terms, near), indices of the ``near`` values, and radii R."""
     distance, nearest = tree.query(points, near)
     radius = distance[:, -1:]
-    offset = nearest_image(tree.data[nearest] - points[:, None], tree.boxsize)
     fraction = distance / radius
     weight = (1 - fraction) ** 4 * (1 + 4 * fraction)
-    basis = np.stack(_terms((offset / radius[..., None]).transpose(2, 0, 1), degree), axis=1)
+    coordinates = []
+    for axis, period in enumerate(tree.boxsize):
+        offset = tree.data[:, axis][nearest] - points[:, axis, None]
+        coordinates.append((nearest_image(offset, period) if period else offset) / radius)
+    basis = _terms(coordinates, degree)
     weighted = basis * weight[:, None]
     return weighted @ basis.transpose(0, 2, 1), weighted, nearest, radius
 
@@ -128,27 +130,35 @@ def periodic_tree(scene: Any, positions: np.ndarray, axes: Sequence[int] = (0, 1
     """
     from scipy.spatial import cKDTree  # a fifth of a second to import, which only some runs need
 
-    sizes = _sizes(scene, list(axes))
-    wrapped = _wrapped(positions[:, list(axes)], sizes)
-    return cKDTree(wrapped, boxsize=sizes), wrapped
+    positions, sizes = _in_box(scene, positions, axes)
+    return cKDTree(positions, boxsize=sizes), positions
 
 
-def _sizes(scene: Any, axes: list[int]) -> np.ndarray:
-    return np.where(scene.periodic, scene.extent, 0.0)[axes]
+def _in_box(scene: Any, positions: np.ndarray, axes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the coordinates along ``axes`` of ``positions`` (n, 2), wrapped, and the periods, 0 for none."""
+    sizes = np.where(scene.periodic, scene.extent, 0.0)[list(axes)]
+    columns = [
+        wrapped(positions[:, axis], size) if size else positions[:, axis]
+        for axis, size in zip(axes, sizes, strict=True)
+    ]
+    return np.stack(columns, axis=1), sizes
 
 
-def _wrapped(positions: np.ndarray, sizes: np.ndarray) -> np.ndarray:
-    wrapped = np.where(sizes > 0, positions % np.where(sizes > 0, sizes, 1.0), positions)
-    return np.where((sizes > 0) & (wrapped >= sizes), 0.0, wrapped)  # -1e-20 % size is size after rounding
+def _terms(coordinates: Sequence[np.ndarray], degree: int) -> np.ndarray:
+    """Return the products of powers of one or two ``coordinates`` (points, near) up to ``degree``.
 
-
-def _terms(coordinates: np.ndarray, degree: int) -> list[np.ndarray]:
-    """Return the products of powers of one or two ``coordinates`` up to ``degree``: the constant, these, the rest."""
-    terms = last = [np.ones_like(coordinates[0])]
+    An array (points, terms, near): the constant, the coordinates, the rest.
+    """
+    along, *across = coordinates
+    count = (degree + 1) * (degree + 2) // 2 if across else degree + 1
+    terms = np.empty((len(along), count, along.shape[1]))
+    terms[:, 0] = 1.0
+    first, end = 0, 1  # the terms of the last power
     for _ in range(degree):
-        along, *across = coordinates
-        last = [*(term * along for term in last), *(last[-1] * other for other in across)]
-        terms = terms + last
+        first, end, last = end, end + end - first + len(across), first
+        np.multiply(terms[:, last:first], along[:, None], out=terms[:, first : first + first - last])
+        for other in across:
+            np.multiply(terms[:, first - 1], other, out=terms[:, end - 1])
     return terms
 
 
@@ -189,7 +199,8 @@ def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
     """Return the radius over the spacing of the largest circle without a particle; sqrt(1/2) on a lattice.
 
     It goes through the corners of a triangle of the Delaunay triangulation of the particles. Where the box is not
-    periodic, only centres between particles count.
+    periodic, only centres between particles count. No particle is farther from a centre than the corners are, so that
+    the largest circles are searched first.
     """
     from scipy.spatial import Delaunay  # a fifth of a second to import, which only some runs need
 
@@ -208,11 +219,19 @@ def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
     squares, doubled = (ax**2 + ay**2, bx**2 + by**2), 2.0 * (ax * by - ay * bx)
     with np.errstate(divide="ignore", invalid="ignore"):  # three particles in line at the edge
         away = np.stack([by * squares[0] - ay * squares[1], ax * squares[1] - bx * squares[0]], axis=1)
-        vertices = corner + away / doubled[:, None]
-    within = vertices[((vertices >= low) & (vertices <= low + sizes)).all(axis=1)]
-    centres = within[scene.seen(snapshot).contains(within, snapshot.t)] if scene.bodies else within
+        away /= doubled[:, None]
+    vertices, radii = corner + away, np.hypot(*away.T)
+    within = np.flatnonzero(((vertices >= low) & (vertices <= low + sizes)).all(axis=1))
     tree, _ = periodic_tree(scene, particles)
-    return tree.query(np.where(scene.periodic, centres % periods, centres))[0].max() / scene.spacing
+    seen, largest = scene.seen(snapshot), 0.0
+    for part in parts(within[np.argsort(-radii[within])]):
+        if radii[part[0]] * (1 + 1e-6) < largest:  # rounding errors of flat triangles
+            break
+        centres = vertices[part]
+        centres = centres[seen.contains(centres, snapshot.t)] if scene.bodies else centres
+        distances = tree.query(np.where(scene.periodic, centres % periods, centres))[0]
+        largest = max(largest, distances.max(initial=0.0))
+    return largest / scene.spacing
 
 
 MOST_NODES = 1600
@@ -253,14 +272,24 @@ def section_mean(scene: Any, snapshot: Snapshot, degree: int = 4) -> float:
     In an incompressible flow it is the mean over all of a box that is periodic in x, bodies included, at a tenth of the
     cost of ``cell_mean``. The two differ by the errors of their nodes, up to 3e-4 of the velocity. ``degree``: 2 or 4.
     """
-    scene, t = scene.seen(snapshot), snapshot.t
-    positions, velocity = with_walls(scene, snapshot)
-    if not _finite(positions, velocity):
+    if not np.isfinite(snapshot.x + snapshot.y + snapshot.u).all():
         return np.nan
+    scene, t = scene.seen(snapshot), snapshot.t
     nodes, weights = _section(scene, t)
-    near = np.abs(nearest_image(positions[:, 0] - nodes[0, 0], scene.extent[0])) <= BAND * scene.spacing
-    tree, _ = periodic_tree(scene, positions[near])
-    return float(weights @ local_fits(tree, nodes, velocity[near, :1], degree)[0][:, 0, 0])
+
+    def near(x: np.ndarray) -> np.ndarray:
+        return np.flatnonzero(np.abs(nearest_image(x - nodes[0, 0], scene.extent[0])) <= BAND * scene.spacing)
+
+    chosen = near(snapshot.x.astype(float))
+    positions = [np.stack([snapshot.x[chosen], snapshot.y[chosen]], axis=1).astype(float)]
+    velocity = [snapshot.u[chosen, None].astype(float)]
+    for body in scene.bodies:
+        points = body.boundary_points(scene.spacing, t).point
+        points = points[near(points[:, 0])]
+        positions.append(points)
+        velocity.append(body.velocity(points, t)[:, :1])
+    tree, _ = periodic_tree(scene, np.concatenate(positions))
+    return float(weights @ local_fits(tree, nodes, np.concatenate(velocity), degree)[0][:, 0, 0])
 
 
 def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:

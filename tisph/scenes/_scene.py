@@ -496,7 +496,9 @@ class BodyScene(Scene):
                 angle = float(found.angle[index]) - snapshot.t * rotation
                 bodies[index] = replace(body, centre=centre, angle=angle, motion=motion)
         changed: Any = {"bodies": tuple(bodies)}
-        return replace(self, **changed)
+        scene = replace(self, **changed)
+        vars(scene)["region"] = self.region  # only its area is needed, which stays
+        return scene
 
     def contains(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return whether each of the ``points`` (n, 2) is in the fluid at ``time``."""

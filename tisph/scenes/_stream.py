@@ -23,7 +23,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
-from tisph.measures.fits import interpolated, local_fits, periodic_tree, with_walls
+from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import LOADS, Cell, bodies_of, plane_walls, planes
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -307,7 +307,9 @@ class Stream(Cell):
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
         if not len(snapshot.pressure):
             return np.full(len(points), np.nan)
-        positions, pressure = np.stack([snapshot.x, snapshot.y], axis=1), snapshot.pressure[:, None]
+        low, high = points[:, 0].min() - BAND * self.spacing, points[:, 0].max() + BAND * self.spacing
+        near = np.flatnonzero((snapshot.x >= low) & (snapshot.x <= high))
+        positions, pressure = np.stack([snapshot.x[near], snapshot.y[near]], axis=1), snapshot.pressure[near, None]
         return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:

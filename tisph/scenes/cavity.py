@@ -212,11 +212,11 @@ class Cavity(BodyScene):
         see ``measures/resolution.py``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
-        exact = self.extremes()
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
         state = steadiness(self, snapshot.t, series)
         known = state["steady"] or not self.inertia
-        references = {f"{name}_exact": exact.get(name) if known else None for name in numbers}
+        exact = self.extremes() if known else {}  # found in a second
+        references = {f"{name}_exact": exact.get(name) for name in numbers}
         errors = self._errors(snapshot) if known else {}
         others = planar_diagnostics(self, snapshot)[1]
         if self.corners:

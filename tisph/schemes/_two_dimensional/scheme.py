@@ -368,29 +368,31 @@ class SplittingScheme(ControlledScheme):
     def snapshot(self, time: float | None = None) -> Snapshot:
         """Return the state at ``time``, within the last step, or now.
 
-        It lies on the polynomial through the time levels, in the order of creation; ``output_cache`` holds the levels
-        of the last step, since many outputs may fall into one.
+        It lies on the polynomial through the time levels, in the order of creation. ``output_cache`` holds the levels
+        that it needs, since many outputs may fall into one step: the newest ones at its end, which cost less.
         """
+        problem, boundary, levels = self.problem, self.boundary, self.levels
         time = self.time if time is None else time
-        if self.output_cache is None or self.output_cache[0] != self.time:
-            fluid = self.problem.n_fluid
-            created = np.argsort(active(self.levels.number)[:fluid])
-            stored = [self.levels.fields, self.levels.position, *self.extra_stress.fields]
-            values = [active(field)[:fluid][created].astype(float, copy=False) for field in stored]
-            self.output_cache = self.time, created, *values
-        problem, boundary, offset = self.problem, self.boundary, self.time - time
-        _, created, fields, position, *stress_levels = self.output_cache
+        offset, first, components = self.time - time, levels.first_pressure, levels.components
+        case = self.time, offset == 0.0
+        if self.output_cache is None or self.output_cache[0] != case:
+            fluid, fields = problem.n_fluid, active(levels.fields)
+            created = np.argsort(active(levels.number)[:fluid])
+            parts = (fields[:, :first], fields[:, first:]) if offset else (fields[:, :components], fields[:, first])
+            stored = [*parts, *(active(field) for field in (levels.position, *self.extra_stress.fields))]
+            values = [field[:fluid][created].astype(float, copy=False) for field in stored]
+            self.output_cache = case, created, *values
+        _, created, velocity, pressure, position, *stress_levels = self.output_cache
         dts = self.dts or [1.0]
-        weights = TimeWeights([0.0, *dts], dts[0])
-        first, components = self.levels.first_pressure, self.levels.components
-        velocities = fields[:, :first].reshape(len(fields), VELOCITIES, components)
-        axis, count = position[:, 1] + problem.origin[1], VELOCITIES if offset else 1
-        velocities = np.stack([problem.velocities(velocities[:, level], axis) for level in range(count)], axis=1)
-        pressure, velocity = fields[:, first], velocities[:, 0]
-        if offset:
+        weights, axis = TimeWeights([0.0, *dts], dts[0]), position[:, 1] + problem.origin[1]
+        if not offset:
+            velocity = problem.velocities(velocity, axis)
+        else:
+            each = velocity.reshape(len(velocity), VELOCITIES, components)
+            velocities = np.stack([problem.velocities(each[:, level], axis) for level in range(VELOCITIES)], axis=1)
             velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)
             position = position - np.einsum("a,iac->ic", weights.integral(offset), velocities[..., :2])
-            pressure = fields[:, first:] @ weights.interpolation(offset, PRESSURES)
+            pressure = pressure @ weights.interpolation(offset, PRESSURES)
             position = boundary.entered(position)
             if problem.axisymmetric:  # around the axis the circulation is interpolated
                 velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])

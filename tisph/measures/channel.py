@@ -48,21 +48,21 @@ class Probes:
         self._radius = PROBE_RADIUS * channel.spacing
         self._centre = 0.5 * (self.x.min() + self.x.max())
         self._half_width = 0.5 * np.ptp(self.x) + self._radius
+        self._low, self._high = self.y.min() - self._radius, self.y.max() + self._radius
 
     def velocity(self, snapshot: Snapshot) -> np.ndarray:
         """Return the velocity along x at the points (points,); NaN where no particle is within the radius."""
         near = np.abs(nearest_image(snapshot.x - self._centre, self._length)) < self._half_width
-        near &= snapshot.y > self.y.min() - self._radius
-        near &= snapshot.y < self.y.max() + self._radius
+        near &= (snapshot.y > self._low) & (snapshot.y < self._high)
         x, y, u = snapshot.x[near], snapshot.y[near], snapshot.u[near]
-        particle, point = np.nonzero(np.abs(y[:, None] - self.y) < self._radius)
+        point, particle = np.nonzero(np.abs(y - self.y[:, None]) < self._radius)
         along = nearest_image(x[particle] - self.x[point], self._length) / self._radius
         across = (y[particle] - self.y[point]) / self._radius
         distance = np.sqrt(along * along + across * across)
-        order = np.flatnonzero(distance < 1.0)
-        order = order[np.argsort(point[order], kind="stable")]
-        along, across, distance, particle = along[order], across[order], distance[order], particle[order]
-        found, first = np.unique(point[order], return_index=True)
+        within = np.flatnonzero(distance < 1.0)
+        along, across, distance, particle = along[within], across[within], distance[within], particle[within]
+        counts = np.bincount(point[within], minlength=self.x.size)
+        found = np.flatnonzero(counts)
         square = (1 - distance) * (1 - distance)
         weight = square * square * (1 + 4 * distance)
         ones = np.ones_like(along)
@@ -70,6 +70,7 @@ class Probes:
         weighted = basis * weight[:, None]
         values = np.full(self.x.size, np.nan)
         if found.size:
+            first = (np.cumsum(counts) - counts)[found]
             moments = np.add.reduceat(weighted[:, :, None] * basis[:, None, :], first)
             sums = np.add.reduceat(weighted * u[particle, None], first)
             try:
@@ -88,25 +89,25 @@ def interpolate(snapshot: Snapshot, channel: Any, x: np.ndarray, y: np.ndarray) 
 WALL_RADIUS = 5.0
 """Radius R in particle spacings: five rows of particles for at most four coefficients."""
 
-SLIP_POWERS = np.array([1, 2, 3, 4])
-STRESS_POWERS = np.array([0, 1, 2])
-FREE_POWERS = np.array([0, 1, 2, 3, 4])
-
 
 def wall_shear(channel: Any, snapshot: Snapshot) -> tuple[float, float]:
     """Return the shear stress (bottom, top) of the particles, averaged along the walls [mass/(length time^2)].
 
     It is the total stress, density * solvent viscosity * du/dy + S_xy.
     """
-    t = snapshot.t
-    bottom, top = snapshot.y, channel.gap - snapshot.y
-    rate_bottom = _rate(channel, bottom, channel.bottom, snapshot.u, t)
-    rate_top = -_rate(channel, top, channel.top, snapshot.u, t)
-    solvent = channel.viscous_stress(rate_bottom), channel.viscous_stress(rate_top)
-    if channel.polymer is None:
-        return solvent
-    polymer = [_coefficients(channel, distance, snapshot.stress_xy, STRESS_POWERS)[0] for distance in (bottom, top)]
-    return solvent[0] + polymer[0], solvent[1] + polymer[1]
+    found = []
+    for side, wall in enumerate((channel.bottom, channel.top)):
+        near, powers = _powers(channel, side, snapshot)
+        u, weight = snapshot.u[near], powers[:, 0]
+        if wall.stress_controlled:  # it has the velocity of the particles
+            rate = _fitted(powers, weight * u)[1]
+        else:
+            rate = _fitted(powers[:, 1:], weight * (u - wall.velocity(snapshot.t)))[0]
+        stress = channel.viscous_stress((-rate if side else rate) / (WALL_RADIUS * channel.spacing))
+        if channel.polymer is not None:
+            stress += _fitted(powers[:, :3], weight * snapshot.stress_xy[near])[0]  # type: ignore[index]
+        found.append(stress)
+    return found[0], found[1]
 
 
 def wall_shear_error(sample: Mapping[str, Any]) -> float | None:
@@ -126,30 +127,24 @@ def wall_shear_error(sample: Mapping[str, Any]) -> float | None:
 
 def wall_velocity(channel: Any, side: int, snapshot: Snapshot) -> float:
     """Return the velocity of the bottom (``side`` 0) or top wall (1) by the particles, where it is not given."""
-    distance = channel.gap - snapshot.y if side else snapshot.y
-    return _coefficients(channel, distance, snapshot.u, FREE_POWERS)[0]
+    near, powers = _powers(channel, side, snapshot)
+    return _fitted(powers, powers[:, 0] * snapshot.u[near])[0]
 
 
-def _rate(channel: Any, distance: np.ndarray, wall: Any, velocity: np.ndarray, t: float) -> float:
-    """Return the velocity gradient away from a wall; a stress-controlled wall has the velocity of the particles."""
-    if wall.stress_controlled:
-        return _coefficients(channel, distance, velocity, FREE_POWERS)[1] / (WALL_RADIUS * channel.spacing)
-    return _slope(channel, distance, velocity - wall.velocity(t))
-
-
-def _slope(channel: Any, distance: np.ndarray, slip: np.ndarray) -> float:
-    """Return the slope a at distance 0 of ``slip``, the velocity relative to the wall."""
-    return _coefficients(channel, distance, slip, SLIP_POWERS)[0] / (WALL_RADIUS * channel.spacing)
-
-
-def _coefficients(channel: Any, distance: np.ndarray, values: Any, powers: np.ndarray) -> np.ndarray:
-    """Return the least-squares coefficients of the ``powers`` of distance/radius for ``values`` (particles,)."""
-    radius = WALL_RADIUS * channel.spacing
-    near = distance < radius
+def _powers(channel: Any, side: int, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+    """Return the particles (n,) near a wall, and roots of their weights times d/R to the powers 0 to 4 (n, 5)."""
+    radius, distance = WALL_RADIUS * channel.spacing, channel.gap - snapshot.y if side else snapshot.y
+    near = np.flatnonzero(distance < radius)
     fraction = distance[near] / radius
-    root_weight = (1 - fraction) * np.sqrt(1 + 2 * fraction)
-    basis = root_weight[:, None] * fraction[:, None] ** powers
-    return np.linalg.lstsq(basis, root_weight * values[near], rcond=None)[0]
+    powers = np.empty((len(near), 5))
+    powers[:, 0] = (1 - fraction) * np.sqrt(1 + 2 * fraction)
+    for k in range(1, 5):
+        np.multiply(powers[:, k - 1], fraction, out=powers[:, k])
+    return near, powers
+
+
+def _fitted(basis: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(basis, values, rcond=None)[0]
 
 
 def integral(times: np.ndarray, velocities: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ class History(StateObserver):
             times, values = read_history(path, len(self.more))
             flags = read_resolved(path)
             if flags is None:
-                flags = np.array([self._resolved(scene, t) for t in times], dtype=bool)
+                flags = np.array([resolution(scene, t)[0] for t in times], dtype=bool)
             kept = [record for record in zip(times, values, flags, strict=True) if record[0] <= resumed_at]
         names = ",".join(["t", *series.columns, RESOLVED, *self.more])
         self.header = ("" if about is None else about.comment(series.content)) + names
@@ -75,7 +75,7 @@ class History(StateObserver):
 
     def record(self, t: float, values: np.ndarray, scene: Scene) -> None:
         """Append a line of the ``values`` (numbers,) at time ``t``, with bodies where they are in ``scene``."""
-        self._append(self._line(t, values, self._resolved(scene, t)).encode())
+        self._append(self._line(t, values, resolution(scene, t)[0]).encode())
 
     def reading(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
         """Return places and followed numbers of ``snapshot``, arrays (numbers,), and times and numbers so far."""
@@ -97,10 +97,6 @@ class History(StateObserver):
         text = "".join(f"{line},{rest}\n" for line, rest in zip(lines, more, strict=True))
         with replaced(self.path) as new:
             new.write_text(f"{self.header},{','.join(names)}\n{text}", encoding="utf-8")
-
-    @staticmethod
-    def _resolved(scene: Scene, t: float) -> bool:
-        return resolution(scene, t)[0]
 
     def _line(self, t: float, values: np.ndarray, resolved: bool) -> str:
         count = len(self.time_series.columns)
@@ -144,9 +140,7 @@ def read_resolved(path: Path) -> np.ndarray | None:
     """
     with readable(path):
         names, rows = read_rows(path)
-        if RESOLVED not in names:
-            return None
-        return np.array([row[names.index(RESOLVED)] for row in rows], dtype=bool)
+        return np.array([row[names.index(RESOLVED)] for row in rows], dtype=bool) if RESOLVED in names else None
 
 
 def read_rows(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:
@@ -229,6 +223,4 @@ class Trajectories(StateObserver):
                     data.attrs["units"] = self.about.units[name]
         self.due = time.monotonic() + DELAY
 
-    def close(self) -> None:
-        """Write all records to the file."""
-        self.flush()
+    close = flush

@@ -204,7 +204,8 @@ class AxisymmetricScene(BodyScene):
 
     def mean_velocity(self, snapshot: Snapshot) -> float:
         """Return the mean velocity along the axis over a cross-section."""
-        return section_mean(self, snapshot)
+        scene: Any = self.seen(snapshot)
+        return section_mean(scene, snapshot, scene.open_section(snapshot.t))
 
     def spread(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return least distance of particles and largest void, in spacings, and the divergence.

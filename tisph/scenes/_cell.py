@@ -580,9 +580,10 @@ class Cell(BodyScene):
             found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.mean_stresses(snapshot)}
             values = [np.nan if found[column] is None else found[column] for column in columns]
             seen: Any = self.seen(snapshot)
-            if seen.open_section(snapshot.t) is None:
+            place = seen.open_section(snapshot.t)
+            if place is None:
                 return np.array([*values, cell_mean(self, snapshot)[0]])
-            return np.array([*values, section_mean(self, snapshot, degree=2)])  # it costs less
+            return np.array([*values, section_mean(seen, snapshot, place, degree=2)])  # it costs less
 
         return TimeSeries(
             content=f"{'places and velocities of bodies, ' if free else ''}forces and torques of the fluid on bodies, "

@@ -8,7 +8,6 @@ import importlib
 PARTS = {
     "bodies._clearance": "clearance_problems=problems",
     "interface": "message_error=_error",
-    "measures.channel": "wall_slope=_slope",
     "measures.fits": "cell_rule=_rule",
     "measures.rheometry": (
         "amplitudes=_amplitudes creep=_creep flow_curve=_flow_curve middle=_middle oscillation=_oscillation "

@@ -426,8 +426,18 @@ def test_the_printed_matrix_is_within_the_factor(tmp_path):
     assert brief_without == []  # no estimate is for what layers cannot know, not a way out
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ALL_CELLS)
+DEVELOPED_OR_DECAYING = (
+    "annulus0.5-re100-j0-n12-imp4-t3",
+    "taylor_green-re1-j0-n25-imp4-t2",
+    "taylor_green-re100-j0-n25-imp4-t20",
+)
+"""Cells of flows that no configs have: steady from the start, and vortices of which next to nothing is left."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[] if name in DEVELOPED_OR_DECAYING else [pytest.mark.slow]) for name in ALL_CELLS],
+)
 def test_all_cells_are_within_the_factors(name, tmp_path):
     found = study.compare(stated(name, ALL_CELLS[name]["end"], tmp_path), ALL_CELLS[name]["samples"])
     assert [each for each in found if each.verdict == "FAIL"] == []

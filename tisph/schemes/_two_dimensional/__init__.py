@@ -17,7 +17,14 @@ from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, SAFETY
-from tisph.schemes._two_dimensional.step_limits import TOLERANCE, courant_speed, first_step, is_slow, viscous_step
+from tisph.schemes._two_dimensional.step_limits import (
+    SMALLEST_SCALE,
+    TOLERANCE,
+    courant_speed,
+    first_step,
+    is_slow,
+    viscous_step,
+)
 from tisph.schemes._two_dimensional.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
@@ -50,8 +57,8 @@ IN_PASSAGES = 1.5
 """Largest velocity over the mean velocity of a passage, as between plane walls: around a cylinder it was 1.5 to 1.7."""
 
 FACTORS = 0.5, 2.0
-"""Steps of a run over the estimated ones, least and most. Of 34 configs they were 0.66 to 1.9, but 2.8 in
-``segre_silberberg`` and 4.0 in ``contraction``, with open ends (``benchmarks/estimates.py``)."""
+"""Steps of a run over the estimated ones, least and most. Of 34 configs and 46 cells of the stability matrix they were
+0.53 to 1.9, but 2.8 in ``segre_silberberg`` and 4.0 in ``contraction``: ``benchmarks/estimates.py``."""
 
 JUDGED_BY = "divergence", "steepest stress"
 """Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""
@@ -259,19 +266,28 @@ def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, c
     if not is_slow(scene, courant):
         allowed = min(allowed, viscous_step(scene))
     first, growth = first_step(allowed, scene), LARGEST_MULTISTEP_FACTOR
+    accurate = SAFETY * (22 / 3 * tolerance) ** 0.25 if tolerance else np.inf
     if tolerance:
-        accurate = SAFETY * (22 / 3 * tolerance) ** 0.25
         frequency = scene.time_series().angular_frequency
         if vortices:
             around = 0.5 * speed if turns else speed  # Taylor vortices have about a twentieth of the wall's velocity
             frequency = max(frequency, 2.0 * np.pi * around / scene.reference_length)
         allowed = min(allowed, accurate / frequency) if frequency else allowed
-        growth = min(growth, 1.0 + accurate * STARTING) if scene.inertia and scene.bodies else growth
+        starts = scene.inertia and scene.bodies and np.isfinite(scene.thinnest_layer(scene.start_time)[0])
+        growth = min(growth, 1.0 + accurate * STARTING) if starts else growth
     grown = allowed / (growth - 1.0)  # time at which steps that are a part of it are as long as allowed
+    decay = 0.0 if scene.bodies else 2.0 * scene.kinematic_viscosity * (2.0 * np.pi / scene.reference_length) ** 2
+    longest = courant * scene.spacing / courant_speed(0.0, scene)
+    fading = np.log(longest / allowed) / decay if decay else np.inf  # time in which the steps of slower vortices grow
+    decayed = -np.log(SMALLEST_SCALE)  # decay x time from which on errors refer to a constant velocity
 
     def steps(time: float) -> float:
         """Return the number of steps in the ``time`` after a start."""
-        return np.log(max(min(time, grown) / first, growth)) / np.log(growth) + max(time - grown, 0.0) / allowed
+        later = max(time - grown, 0.0)
+        before = min(later, fading)
+        count = (-np.expm1(-decay * before) / decay if decay else before) / allowed + (later - before) / longest
+        count += min(decay * later, decayed) / accurate
+        return np.log(max(min(time, grown) / first, growth)) / np.log(growth) + count
 
     begins = [[scene.start_time, *(change for change in scene.jump_times if change < end)] for end in ends]
     return [

@@ -315,6 +315,9 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
+        if self.scheme.type == "wcsph" and self.walls.around is None:
+            yield "scheme.type", "wcsph has no wall treatment for scene region; take auto or implicit"
+            return
         for name in ("bottom", "top"):
             wall = getattr(self.walls, name)
             if wall and (wall.stress_controlled or wall.velocities):

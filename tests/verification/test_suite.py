@@ -76,7 +76,7 @@ def run_here(config_path, folder):
     """Run one config in this process; return ``Result`` and message: no pictures, and little history."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
-        monkeypatch.setattr("tisph.observers.history.RECORDS", 21)  # steady or not is read off a quarter of them
+        monkeypatch.setattr("tisph.observers.history.RECORDS", 81)  # a quarter shows scatter (resolution.LEAST_TURNS)
         try:
             simulation.run(config.load(config_path), folder)
         except DivergedError as error:

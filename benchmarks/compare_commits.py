@@ -50,7 +50,7 @@ MOST_PARTICLE_STEPS = 1e5
 
 PLANNED = """
 import json, sys
-from tisph.cli.check import forecast
+from tisph.schemes._forecast import forecast
 from tisph.config import load
 config = load(sys.argv[1], sys.argv[2:])
 numbers, _ = forecast(config)

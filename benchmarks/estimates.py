@@ -23,10 +23,10 @@ from rich.console import Console
 from ruamel.yaml import YAML
 
 from tisph import runtime
-from tisph.cli import check, studies
-from tisph.cli.check import ERROR_FACTORS
+from tisph.cli import studies
 from tisph.config import load
 from tisph.errors import ConfigError
+from tisph.schemes._forecast import ERROR_FACTORS, forecast
 from tisph.studies import stability as matrix
 from tisph.studies.store import Engine, Store, claimed, config_text
 from tisph.text_table import format_header, format_row
@@ -107,27 +107,26 @@ def main():
     given = parser.parse_args()
     default = studies.STABILITY_FOLDER.with_name("stress-quick") if given.quick else studies.STABILITY_FOLDER
     try:
-        passed = run(given.out or default, check.forecast, runtime.available_threads(), given.quick, given.only)
+        passed = run(given.out or default, runtime.available_threads(), given.quick, given.only)
     except ConfigError as error:
         sys.exit(f"error: {error}")
     sys.exit(not passed)
 
 
-def run(folder, forecast, processes, quick=False, only=""):
+def run(folder, processes, quick=False, only=""):
     """Print the table of all cases (``quick``: those of ``tisph stability --quick``) and leave numbers in ``folder``.
 
-    ``only``: a part of the names of the cases.
-    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``. Returns True if nothing fails. Raises
-    ConfigError where ``folder`` cannot be used, and where the configs are not found.
+    ``only``: part of the names of the cases. Returns True if nothing fails. Raises ConfigError where ``folder`` cannot
+    be used, and where the configs are not found.
     """
     folder = Path(folder)
     with claimed(folder, "another command keeps its runs there"):
-        return _run(folder, forecast, processes, quick, only)
+        return _run(folder, processes, quick, only)
 
 
-def _run(folder, forecast, processes, quick, only):
+def _run(folder, processes, quick, only):
     with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
-        found = [*_configs(forecast, only), *_cells(forecast, Path(scratch), quick, only)]
+        found = [*_configs(only), *_cells(Path(scratch), quick, only)]
     cases = {case.name: case for case in found}
     widths = [max(map(len, cases)), *(max(len(title), 12) for title in HEADER[1:-1]), len("no estimate")]
     print(format_header(HEADER, widths))
@@ -148,7 +147,7 @@ def _run(folder, forecast, processes, quick, only):
     return counts["FAIL"] == 0
 
 
-def _configs(forecast, only):
+def _configs(only):
     """Yield a ``Case`` for every config in ``configs`` of the working directory or of the checkout with this file."""
     roots = (Path.cwd(), Path(__file__).resolve().parents[1])
     paths = next((found for root in roots if (found := sorted((root / "configs").glob("*.yaml")))), None)
@@ -162,12 +161,12 @@ def _configs(forecast, only):
         yield Case(f"configs-{path.stem}", config, forecast(load(path))[0])
 
 
-def _cells(forecast, scratch, quick, only=""):
+def _cells(scratch, quick, only=""):
     """Yield a ``Case`` for every cell of the stability matrix."""
     for cell in matrix.cells(matrix.sub_matrices(quick)):
         if only not in cell.name:
             continue
-        found, numbers = matrix.plan(cell, forecast, scratch), {}
+        found, numbers = matrix.plan(cell, scratch), {}
         if found.refusal is None:  # the plan is about the last sample only, by which the cell is judged
             path = scratch / "config.yaml"
             path.write_text(config_text(cell.name, found.config), encoding="utf-8")

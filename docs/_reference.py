@@ -1,38 +1,13 @@
-"""The reference of keys, generated from the models of the config: a page of the site, and the text of ``tisph keys``.
-
-Range and default come from the models; ``_keys.yaml`` has meaning and unit. A key without a line there is a KeyError.
-"""
-
-import inspect
-import re
-import textwrap
-import typing
-from pathlib import Path
-from types import SimpleNamespace
-
-from pydantic_core import PydanticUndefined
+"""The page of keys, a page of the site: the reference of ``tisph keys`` (``tisph.config.reference``) as tables."""
 
 from tisph import registry
-from tisph.config import checks
-from tisph.config.base import LARGEST, SMALLEST, Model
-from tisph.config.fields import Member
-from tisph.config.yaml_text import parse
+from tisph.config.reference import FAMILIES, MEANINGS, about, member_keys, rows, scene_keys, summary
+from tisph.studies import sweep
 
-MEANINGS = parse((Path(__file__).parent / "_keys.yaml").read_text(encoding="utf-8")).data
-FAMILIES = {
-    "schemes": "Schemes: `scheme: {type: NAME, ...}`",
-    "rheology": "Fluid laws: `fluid: {rheology: {type: NAME, ...}}`",
-    "walls": "Wall treatments: `walls: {treatment: {type: NAME, ...}}`",
-    "bodies": "Shapes: `bodies: [{type: NAME, ...}]`",
-    "suspensions": "Suspensions: `bodies: {type: NAME, ...}`",
-}
-SAME_KEYS = {"suspensions": "bodies"}
-"""Families whose keys mean what those of another mean."""
 WITHOUT_KEYS = {
     "kernels": "Kernels: `discretisation: {kernel: NAME}`",
     "operators": "Operators of scheme wcsph: `scheme: {type: wcsph, operators: NAME}`",
 }
-SIDES = re.compile(r"^(walls|ends)\.(top|bottom|inner|outer|left|right)\b")
 HEAD = "| key | meaning | unit | allowed | default |\n|---|---|---|---|---|\n"
 
 
@@ -59,68 +34,8 @@ def keys_page():
     return "".join([*parts, study_table()])
 
 
-def scene_keys():
-    """Keys with their fields that all scenes have, and the further ones of each scene."""
-    scenes = {name: dict(fields(registry.load("scenes", name).Config)) for name in registry.names("scenes")}
-    shared = [key for key in scenes["channel"] if all(key in each for each in scenes.values())]
-    shared = [key for key in shared if not key.startswith(("geometry", "walls", "initial"))]
-    own = {name: {key: each[key] for key in each if key not in shared} for name, each in scenes.items()}
-    return {key: scenes["channel"][key] for key in shared}, own
-
-
-def member_keys(family, name):
-    """Keys of a member with their fields, and the text before them in ``_keys.yaml``."""
-    return dict(fields(registry.load(family, name).Parameters)), f"{SAME_KEYS.get(family, family)}/"
-
-
-def sections(scene):
-    """Names of the sections in the configs of a scene, or of one key."""
-    shared, scenes = scene_keys()
-    return list(dict.fromkeys(key.partition(".")[0] for key in shared | scenes[scene]))
-
-
-def listing(scene=None, section=None):
-    """Lines of all keys, or of the keys of one scene, or of a section of it, for a terminal of 100 columns."""
-    shared, scenes = scene_keys()
-    chosen = {"All scenes": shared}
-    chosen |= {
-        f"\nScene {name}: {summary('scenes', name)}": own for name, own in scenes.items() if scene in (None, name)
-    }
-    if section:
-        chosen = {
-            head: {key: field for key, field in each.items() if key.partition(".")[0] == section}
-            for head, each in chosen.items()
-        }
-    for head, each in chosen.items():
-        yield from (head, *entries(each)) if each else ()
-    used = {family for each in chosen.values() for field in each.values() for family in families(field)}
-    for family, title in FAMILIES.items():
-        for name in registry.names(family) if family in used else ():
-            yield f"\n{title.partition(':')[0]}: {name}"
-            yield from entries(*member_keys(family, name))
-
-
-def entries(entries, above=""):
-    """Lines of keys with their fields: key, allowed values, unit and default, then the meaning."""
-    for key, meaning, unit, possible, given in rows(entries, above):
-        text = f"{key}: {possible}{f' [{unit}]' if unit else ''}; {f'default {given}' if given else 'must be given'}"
-        yield from textwrap.wrap(text.replace("`", ""), 100, initial_indent="  ", subsequent_indent=" " * 8)
-        yield from textwrap.wrap(meaning.replace("`", ""), 100, initial_indent=" " * 6, subsequent_indent=" " * 6)
-
-
-def families(field):
-    """Names of the families of which a field, or an item of its list, is a member."""
-    yield from (one.family for one in field.metadata if isinstance(one, Member))
-    waiting = list(typing.get_args(field.annotation))
-    for each in waiting:
-        yield from (one.family for one in getattr(each, "__metadata__", ()) if isinstance(one, Member))
-        waiting += typing.get_args(each)
-
-
 def study_keys():
-    """Keys of the file of a sweep, as they stand in ``_keys.yaml``."""
-    from tisph.studies import sweep  # tisph keys does without it
-
+    """Keys of the file of a sweep, as they stand in ``keys.yaml``."""
     ranged = [f"study/vary.KEY.{key}" for key in sorted(sweep.RANGE)]
     return [name for key in sweep.KEYS for name in (f"study/{key}", *(ranged if key == "vary" else []))]
 
@@ -132,168 +47,12 @@ def study_table():
     return head + "".join(f"| `{key}` | {meaning} | {' '.join(said)} |\n" for key, (meaning, _, *said) in lines)
 
 
-def about(scene):
-    """What the resolution counts in a scene, and what its movie may be coloured by, in sentences."""
-    model = registry.load("scenes", scene).Config
-    texts = [f"`discretisation.particles_across` counts the particles across {model.across_name}."]
-    optional = "bodies" in model.model_fields and not model.model_fields["bodies"].is_required()
-    plain = {name: colours(scene, name) for name in registry.names("rheology")}
-    with_bodies = {name: colours(scene, name, bodies=(None,)) for name in plain}
-    if optional and plain != with_bodies:
-        cases = (("without bodies ", plain), ("with bodies ", with_bodies))
-    else:
-        cases = (("", with_bodies),)
-    if "coordinates" in model.model_fields:
-        around = {name: colours(scene, name, coordinates="axisymmetric") for name in plain}
-        cases += (("with `coordinates: axisymmetric` ", around),)
-    return " ".join([*texts, *(colour_text(words, by_law) for words, by_law in cases)])
-
-
-def colours(scene, law, bodies=(), **given):
-    """What ``output.video.color_by`` takes in a scene with that fluid law; ``given`` are other keys of its config."""
-    fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
-    given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
-    return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
-
-
-def colour_text(words, by_law):
-    """The colours of all laws, and those that some laws add, in one or two sentences."""
-    shared = [name for name in by_law["oldroyd_b"] if all(name in names for names in by_law.values())]
-    added = {}
-    for law, names in by_law.items():
-        added.setdefault(tuple(name for name in names if name not in shared), []).append(law)
-    more = "; ".join(f"with {code(laws)} also {code(names)}" for names, laws in added.items() if names)
-    text = f"A movie {words}can show (`output.video.color_by`) {code(shared)}"
-    return f"{text}; {more}." if more else f"{text}."
-
-
-def code(names):
-    """Names in a row, each as code."""
-    return ", ".join(f"`{name}`" for name in names)
-
-
-def summary(family, name):
-    """First sentence of what a member says of itself."""
-    first = " ".join(registry.load(family, name).__doc__.partition("\n\n")[0].split())
-    return re.split(r"(?<=[a-z)])[.:] ", first)[0].rstrip(".") + "."
-
-
 def table(entries, above=""):
-    """Lines of a table of keys with their fields; ``above`` is what stands before them in ``_keys.yaml``."""
+    """Lines of a table of keys with their fields; ``above`` is what stands before them in ``keys.yaml``."""
     lines = []
     for key, *others in rows(entries, above):
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in (f"`{key}`", *others)) + " |\n")
     return HEAD + "".join(lines)
-
-
-def rows(entries, above=""):
-    """Texts of keys with their fields: key, meaning, unit, allowed values, default (empty if it must be given)."""
-    for key, field in entries.items():
-        meaning, unit, *said = MEANINGS[above + SIDES.sub(r"\1.SIDE", key)]
-        yield key, meaning, unit, allowed(field.annotation, field.metadata), said[0] if said else default(field)
-
-
-def fields(model, above=""):
-    """Pairs of dotted key and field of a parameter model; what a family is for stands with its members."""
-    for name, field in model.model_fields.items():
-        yield f"{above}{name}", field
-        for below in models(field.annotation):
-            yield from fields(below, f"{above}{name}.")
-        for key, added in added_keys(field.annotation).items():
-            yield f"{above}{name}.{key}", added
-
-
-def added_keys(annotation):
-    """Keys that the items of a list of members have beside those of the members themselves."""
-    found = {}
-    for each in typing.get_args(annotation):
-        for member in (one for one in getattr(each, "__metadata__", ()) if isinstance(one, Member)):
-            for name in choices(member):
-                own = registry.load(member.family, name).Parameters.model_fields
-                fields_there = member.model({"type": name}).model_fields
-                found |= {key: field for key, field in fields_there.items() if key not in own}
-    return found
-
-
-def choices(member):
-    """Names of a family that a map of this kind takes."""
-    return [name for name in registry.names(member.family) if member.model({"type": name})]
-
-
-def models(annotation):
-    """Parameter models in the type of a field, but for those that a family stands for."""
-    if isinstance(annotation, type) and issubclass(annotation, Model) and annotation is not Model:
-        yield annotation
-    for each in typing.get_args(annotation):
-        yield from models(each)
-
-
-def allowed(annotation, metadata=()):
-    """What values a field may have, in words."""
-    member = next((one for one in metadata if isinstance(one, Member)), None)
-    if member:
-        return "a map with `type`: " + code(choices(member))
-    origin, inner = typing.get_origin(annotation), typing.get_args(annotation)
-    if origin is typing.Annotated:
-        return allowed(inner[0], [*metadata, *constraints(inner[1:])])
-    if origin is typing.Literal:
-        return code(inner)
-    if origin is tuple:
-        return ("list, each: " if inner[-1] is ... else f"{len(inner)} values, each: ") + allowed(inner[0])
-    if origin is not None:
-        return " or ".join(dict.fromkeys(allowed(each, metadata) for each in inner if each is not type(None)))
-    if isinstance(annotation, type) and issubclass(annotation, Model):
-        return "a map"
-    if annotation is str:
-        return text_allowed(metadata)
-    kind = {float: "number", int: "whole number", bool: "`true`, `false`"}[annotation]
-    return f"{kind}{limits(metadata)}"
-
-
-def text_allowed(metadata):
-    """What a text may be: a name of a family, or what its own check says of it."""
-    for one in metadata:
-        known = inspect.getclosurevars(one.func).nonlocals if hasattr(one, "func") else {}
-        if "family" in known:
-            return code(registry.names(known["family"]))
-        if "allowed" in known:
-            return known["allowed"]
-    return "text"
-
-
-def constraints(metadata):
-    """All parts of the metadata of a type, those inside of pydantic's fields, too."""
-    for one in metadata:
-        yield from getattr(one, "metadata", [one])
-
-
-def limits(metadata):
-    """The bounds of a number, in words."""
-    bounds = {
-        kind: getattr(one, kind)
-        for one in constraints(metadata)
-        for kind in ("ge", "gt", "le", "lt")
-        if hasattr(one, kind)
-    }
-    words = {"ge": "at least {}", "gt": "above {}", "le": "at most {}", "lt": "below {}"}
-    if bounds.get("ge") == SMALLEST:
-        bounds = {**{kind: bound for kind, bound in bounds.items() if kind != "ge"}, "gt": 0}
-    said = [words[kind].format(f"{bound:g}") for kind, bound in sorted(bounds.items()) if abs(bound) < LARGEST]
-    return f" {' and '.join(said)}" if said else ""
-
-
-def default(field):
-    """The default of a field, in words; empty where it must be given."""
-    value = field.get_default(call_default_factory=True) if field.default_factory else field.default
-    if value is PydanticUndefined:
-        return ""
-    if isinstance(value, Model):
-        return f"`{value.type}`" if hasattr(value, "type") else "see below"
-    if value is None or value == ():
-        return "none"
-    if isinstance(value, bool):
-        return f"`{str(value).lower()}`"
-    return f"`{list(value) if isinstance(value, tuple) else value}`"
 
 
 PAGES = {"reference/keys.md": keys_page}

@@ -6,7 +6,6 @@ terminal, as lines elsewhere.
 
 import _thread
 import os
-import re
 import subprocess
 import sys
 import threading
@@ -17,13 +16,13 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any
 
+from tisph import events
 from tisph.config.loader import Asked, config_file, loaded, override_texts
 from tisph.errors import INTERRUPTED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
 
 _PROGRAM = "import sys; sys.path[:] = {path!r}; from tisph.interface import main; main()"
-_PROGRESS = re.compile(r" *(\d+)%  (.*)")
 _ERRORS = {kind.exit_status: kind for kind in (ConfigError, DivergedError)}
 
 Show = Callable[[float, str], None]
@@ -47,27 +46,29 @@ def command(arguments: Sequence[str], show: Show) -> str:
     )
     with process:
         try:
-            words = _listen(process, show)
+            message = _listen(process, show)
             printed = process.stdout.read() if process.stdout else ""
             process.wait()
         except BaseException:
             _end(process)
             raise
     if process.returncode:
-        raise _error(process.returncode, words)
+        raise _error(process.returncode, message)
     return printed
 
 
-def _listen(process: "subprocess.Popen[str]", show: Show) -> list[str]:
-    """Call ``show`` with the progress of ``process``, and return the other lines of its standard error."""
-    words = []
+def _listen(process: "subprocess.Popen[str]", show: Show) -> str:
+    """Call ``show`` with the progress of ``process``, and return its error; without one, all it said beside events."""
+    said, error = [], ""
     for line in process.stderr or ():
-        progress = _PROGRESS.fullmatch(line.rstrip("\n"))
-        if progress:
-            show(int(progress[1]) / 100, progress[2])
+        event = events.read(line)
+        if "progress" in event:
+            show(*event["progress"])
+        elif "error" in event:
+            error = event["error"]
         else:
-            words.append(line)
-    return words
+            said.append(line)
+    return error or "".join(said).strip()
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
@@ -79,9 +80,7 @@ def _end(process: "subprocess.Popen[str]") -> None:
             process.terminate()
 
 
-def _error(status: int, words: list[str]) -> TisphError:
-    text = "".join(words)
-    message = text[max(text.find("error: "), 0) :].removeprefix("error: ").strip()
+def _error(status: int, message: str) -> TisphError:
     if status == INTERRUPTED:
         message = f"the run was interrupted from elsewhere: {message}"
     return _ERRORS.get(status, TisphError)(message or f"the run ended with status {status}")
@@ -91,6 +90,7 @@ def main() -> None:
     """Run the command line in the child process; the end of standard input, hence of the parent, interrupts it."""
     from tisph.__main__ import main as command_line
 
+    events.write_as_json()
     threading.Thread(target=_interrupt_at_the_end_of_input, daemon=True).start()
     command_line()
 
@@ -114,7 +114,7 @@ def shown(wanted: bool) -> Iterator[Show]:
             task = bar.add_task("", total=1.0, state="")
             yield lambda part, words: bar.update(task, completed=part, state=words.rpartition("  ")[0])
     else:
-        yield lambda part, words: print(f"{part:4.0%}  {words}", file=sys.stderr, flush=True)
+        yield events.progress
 
 
 def _in_a_notebook() -> bool:
@@ -195,8 +195,8 @@ def check(config: Asked, /, **overrides: Any) -> RunEstimate:
 
     It imports Taichi and starts no Taichi program. ConfigError has the message of ``tisph check``.
     """
-    from tisph.cli.check import described, forecast
     from tisph.config import load
+    from tisph.schemes._forecast import described, forecast
 
     with config_file(config) as path:
         loaded = load(path, override_texts(overrides))

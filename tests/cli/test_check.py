@@ -13,12 +13,11 @@ from inside import MOST_STEPS, SampleEstimate, off_layers, time_step_limits
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
-from tisph.cli import check
-from tisph.cli.check import ERROR_FACTORS, estimates, forecast
 from tisph.config import load
 from tisph.equation_of_state import Tait, sound_speed
 from tisph.errors import ConfigError
-from tisph.schemes import resolve
+from tisph.schemes import _forecast, resolve
+from tisph.schemes._forecast import ERROR_FACTORS, estimates
 from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies.stability import Cell, flow_of
@@ -193,11 +192,11 @@ def test_a_number_is_given_with_its_reach():
         "about 55 (28 to 110)",
         "about 1250 (1230 to 1260)",
     ]
-    assert [check._about(*each) for each in numbers] == texts
+    assert [_forecast._about(*each) for each in numbers] == texts
 
 
 def test_seconds_become_minutes_hours_and_days():
-    times = [check._total_time({"total_time": s, "total_time_range": (s / 2, 2 * s)}) for s in (100, 700, 9e3, 9e5)]
+    times = [_forecast._total_time({"total_time": s, "total_time_range": (s / 2, 2 * s)}) for s in (100, 700, 9e3, 9e5)]
     assert times == [
         "about 100 seconds (50 to 200)",
         "about 12 minutes (5.8 to 23)",
@@ -392,7 +391,7 @@ def test_predicted_errors_steps_and_resolution_are_those_of_runs(name, tmp_path)
 
 
 def test_every_sample_of_a_cell_has_its_forecast(tmp_path):
-    case = next(case for case in study._cells(forecast, tmp_path, quick=True) if case.refusal is None)
+    case = next(case for case in study._cells(tmp_path, quick=True) if case.refusal is None)
     samples = case.numbers["samples"]
     assert [sample.t for sample in samples] == pytest.approx(case.config["time"]["samples"], rel=1e-12)
     assert len(samples) > 1
@@ -445,7 +444,7 @@ def test_all_cells_are_within_the_factors(name, tmp_path):
 
 @pytest.mark.slow
 def test_runs_of_today_are_within_the_factors(tmp_path):
-    assert study.run(tmp_path, forecast, processes=2, quick=True)
+    assert study.run(tmp_path, processes=2, quick=True)
 
 
 def sample(rms=1e-3, step=10, resolved=True):
@@ -526,8 +525,8 @@ def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_pat
     for factor, passed in ((2.0, True), (10.0, False)):
         monkeypatch.setattr(processes, "start", outcome(factor))
         numbers = {**numbers_of(*samples), "steps": 20, "particles": 100}
-        tell = lambda config: (numbers, [])  # noqa: B023, E731
-        assert study.run(tmp_path / f"out{factor}", tell, 1) is passed
+        monkeypatch.setattr(study, "forecast", lambda config: (numbers, []))  # noqa: B023
+        assert study.run(tmp_path / f"out{factor}", 1) is passed
         output = capsys.readouterr().out
         line = next(line for line in output.splitlines() if line.startswith("| configs-one "))
         assert [cell.strip() for cell in line.split("|")[2:-1]] == [
@@ -543,4 +542,4 @@ def test_without_configs_there_is_nothing_to_compare(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(study, "__file__", str(tmp_path / "benchmarks" / "estimates.py"))
     with pytest.raises(ConfigError, match="configs"):
-        study.run(tmp_path / "out", forecast, 1)
+        study.run(tmp_path / "out", 1)

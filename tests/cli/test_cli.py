@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, runtime
-from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
+from tisph.schemes._forecast import estimates
 
 ROOT = Path(tisph.__file__).parents[1]
 

@@ -15,14 +15,13 @@ import types
 import typing
 from pathlib import Path
 
-import _reference as reference
 import numpy as np
 import pytest
 from pydantic import ValidationError
 
 import tisph
 from tisph import registry, scenes
-from tisph.config import checks
+from tisph.config import checks, reference
 from tisph.config.base import Model
 from tisph.config.fields import Member
 from tisph.config.schema import model_of

@@ -15,7 +15,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["errors", "snapshot", "registry", "size_class", "text_table", "version"],
+    ["errors", "events", "snapshot", "registry", "size_class", "text_table", "version"],
     ["folder"],
     ["config", "exact", "geometry"],
     ["equation_of_state", "measures"],
@@ -253,11 +253,11 @@ CHECKED = {
 def test_checking_a_config_imports_no_taichi(few):
     overrides = ["discretisation.particles_across=12"] if few else []
     program = f"""
-from tisph.cli import check
+from tisph.schemes._forecast import described, forecast
 from tisph.config import load
 for name in {CHECKED[few]}:
     config = load(f"configs/{{name}}.yaml", {overrides})
-    numbers, warnings = check.forecast(config)
-    print(*check.described(config, numbers, warnings), sep="\\n")
+    numbers, warnings = forecast(config)
+    print(*described(config, numbers, warnings), sep="\\n")
 """
     assert not imports_taichi(program)

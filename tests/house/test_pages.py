@@ -7,7 +7,7 @@ from pathlib import Path
 import _command_line
 import _formulas
 import _gallery as gallery
-import _reference as reference
+import _reference as page_of_keys
 import pytest
 import typer
 from shell import pasted
@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, config, registry
-from tisph.config import checks
+from tisph.config import checks, reference
 
 ROOT = Path(tisph.__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -142,13 +142,13 @@ CONFIGS = DOCS.parent / "configs"
 
 
 def keys():
-    """Names in ``_keys.yaml`` of all keys that the models have."""
+    """Names in ``keys.yaml`` of all keys that the models have."""
     for family, model in {"scenes": "Config", **dict.fromkeys(reference.FAMILIES, "Parameters")}.items():
         for name in registry.names(family):
             for key, _ in reference.fields(getattr(registry.load(family, name), model)):
                 above = reference.SAME_KEYS.get(family, family)
                 yield reference.SIDES.sub(r"\1.SIDE", key) if family == "scenes" else f"{above}/{key}"
-    yield from reference.study_keys()
+    yield from page_of_keys.study_keys()
 
 
 def test_every_key_has_a_meaning_and_no_other_has():
@@ -157,7 +157,7 @@ def test_every_key_has_a_meaning_and_no_other_has():
 
 
 def test_every_key_of_every_scene_has_a_line():
-    page = reference.keys_page()
+    page = page_of_keys.keys_page()
     shared, *scenes = re.split(r"^## Scene `(\w+)`$", page, flags=re.MULTILINE)
     parts = dict(zip(scenes[::2], scenes[1::2], strict=True))
     assert list(parts) == registry.names("scenes")
@@ -167,7 +167,7 @@ def test_every_key_of_every_scene_has_a_line():
 
 
 def test_ranges_and_defaults_are_those_of_the_models():
-    lines = {line.split(" | ")[0]: line for line in reference.keys_page().splitlines() if line.startswith("| `")}
+    lines = {line.split(" | ")[0]: line for line in page_of_keys.keys_page().splitlines() if line.startswith("| `")}
     assert "number at least 0.8 and at most 3 | `1.0` |" in lines["| `discretisation.smoothing_ratio`"]
     assert "number above 0 and at most 1 or `auto` | `auto` |" in lines["| `time.cfl`"]
     assert "| `f64`, `f32` | `f64` |" in lines["| `discretisation.precision`"]
@@ -180,7 +180,7 @@ def lines_of(text):
 
 
 def test_defaults_in_words_are_what_the_program_fills_in():
-    lines = lines_of(reference.keys_page().partition("\n## Scene `cavity`")[0])
+    lines = lines_of(page_of_keys.keys_page().partition("\n## Scene `cavity`")[0])
     plain = config.load(CONFIGS / "couette_minimal.yaml", ["scheme.type=wcsph"])
     across = plain.discretisation.particles_across
     assert f"| `{across}`, without a spacing |" in lines["discretisation.particles_across"]
@@ -189,7 +189,7 @@ def test_defaults_in_words_are_what_the_program_fills_in():
     assert plain.name == "couette_minimal"
     assert lines["name"].endswith("| name of the file |")
     sound = plain.scheme.equation_of_state.sound_speed
-    assert f"| `{sound}`, without" in lines_of(reference.keys_page())["equation_of_state.sound_speed"]
+    assert f"| `{sound}`, without" in lines_of(page_of_keys.keys_page())["equation_of_state.sound_speed"]
     words = '{"amplitude": 1.0, "angular_frequency": 1.0}'
     swinging = config.load(CONFIGS / "couette_minimal.yaml", [f"walls.top={words}"])
     assert f"| `{swinging.walls.top.phase}`, with an amplitude |" in lines["walls.inner.phase"]
@@ -215,7 +215,7 @@ def test_page_names_the_colours_of_each_scene():
 
 
 def test_modes_are_polymers_with_a_fraction():
-    page = reference.keys_page().partition("### `multi_mode`")[2].partition("\n### ")[0]
+    page = page_of_keys.keys_page().partition("### `multi_mode`")[2].partition("\n### ")[0]
     lines = lines_of(page)
     assert re.findall(r"`(\w+)`", lines["modes"].partition("`type`:")[2]) == [
         name for name in registry.names("rheology") if hasattr(registry.load("rheology", name), "Mode")
@@ -224,11 +224,11 @@ def test_modes_are_polymers_with_a_fraction():
 
 
 def test_keys_that_take_a_name_list_all_names():
-    lines = lines_of(reference.keys_page())
+    lines = lines_of(page_of_keys.keys_page())
     for key, family in {"scene": "scenes", "discretisation.kernel": "kernels"}.items():
         assert f"| {reference.code(registry.names(family))} |" in lines[key]
-    for family in reference.WITHOUT_KEYS:
-        assert all(f"- `{name}`: " in reference.keys_page() for name in registry.names(family))
+    for family in page_of_keys.WITHOUT_KEYS:
+        assert all(f"- `{name}`: " in page_of_keys.keys_page() for name in registry.names(family))
 
 
 def test_every_command_and_option_has_a_line():

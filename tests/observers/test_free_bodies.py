@@ -13,7 +13,6 @@ from inside import overlays as _overlays
 from inside import steady as _steady
 
 from tisph import scenes
-from tisph.cli.check import described, forecast
 from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
@@ -24,6 +23,7 @@ from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
+from tisph.schemes._forecast import described, forecast
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

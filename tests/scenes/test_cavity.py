@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from report_scene import Drawn, make_video
 
-from tisph.cli.check import forecast
 from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.errors import ConfigError
@@ -15,6 +14,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.report.plots import profile_figure
 from tisph.scenes.cavity import Scene
+from tisph.schemes._forecast import forecast
 from tisph.simulation.state import start_snapshot, start_values
 
 GOOD = """

@@ -9,13 +9,13 @@ import pytest
 from report_scene import make_channel, particles
 
 from tisph import registry, scenes
-from tisph.cli.check import estimates
 from tisph.config.loader import load, loaded
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import relative_error, sample_metrics
+from tisph.schemes._forecast import estimates
 from tisph.simulation.state import seen_from_config
 from tisph.snapshot import Bodies
 

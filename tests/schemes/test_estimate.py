@@ -11,7 +11,7 @@ from inside import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, profile_lost
 from inside import estimate_least_squares as least_squares
 
 from tisph import scenes
-from tisph.cli.check import estimates
+from tisph.schemes._forecast import estimates
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 COARSE = "discretisation.particles_across=25"

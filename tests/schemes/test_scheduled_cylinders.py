@@ -8,12 +8,12 @@ import pytest
 from inside import SplittingScheme
 
 from tisph import config, registry, runtime, schemes
-from tisph.cli.check import estimates
 from tisph.errors import ConfigError
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
+from tisph.schemes._forecast import estimates
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi

@@ -21,11 +21,11 @@ from inside import (
 from inside import guessed_steps as _guessed_steps
 
 from tisph import scenes
-from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.polygon import Polygon
+from tisph.schemes._forecast import estimates
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
 NOW = 1.7

@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tisph import config, registry, runtime, schemes, simulation
-from tisph.cli.check import estimates
 from tisph.errors import ConfigError, DivergedError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.guard import Guard
 from tisph.scenes.channel import Channel
+from tisph.schemes._forecast import estimates
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi

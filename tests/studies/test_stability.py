@@ -11,10 +11,10 @@ from fake_runs import FakeRuns, make_result, sleeper
 from PIL import Image
 
 from tisph import scenes
-from tisph.cli.check import estimates
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.scenes.channel import Channel
+from tisph.schemes._forecast import estimates
 from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies import stability_report as stability
@@ -229,8 +229,13 @@ PREDICTED = SimpleNamespace(l2=1e-2, rms=1e-2)
 RUNS = 2 * 2 + 2  # a baseline cell for the one that has none
 
 
-def forecast(config):
+@pytest.fixture(autouse=True)
+def forecast(monkeypatch):
     """Numbers and warnings as of ``tisph check``, for a hundred steps."""
+    monkeypatch.setattr(matrix, "forecast", hundred_steps)
+
+
+def hundred_steps(config):
     return {"steps": 100, "particles": config.particles_across * config.columns, "samples": [PREDICTED]}, []
 
 
@@ -255,7 +260,7 @@ def written(folder):
 
 
 def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
-    assert stability.run(tmp_path / "out", forecast, 2, PARTS) is True
+    assert stability.run(tmp_path / "out", 2, PARTS) is True
     output = capsys.readouterr().out
     for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "taylor_green-re50-j0-n25-imp2 "):
         assert output.count(f"| {name}") == 1
@@ -279,7 +284,7 @@ def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
         return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", watched)
-    stability.run(tmp_path, forecast, 1, PARTS)
+    stability.run(tmp_path, 1, PARTS)
     assert seen == list(range(1, RUNS + 1))  # the refused one before all others, then one after another
 
 
@@ -293,11 +298,11 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
 
     monkeypatch.setattr(FakeRuns, "__call__", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        stability.run(tmp_path, forecast, 1, PARTS)
+        stability.run(tmp_path, 1, PARTS)
     assert "the same command continues" in capsys.readouterr().out
     assert written(tmp_path)["complete"] is False
     monkeypatch.setattr(FakeRuns, "__call__", start)
-    assert stability.run(tmp_path, forecast, 1, PARTS) is True
+    assert stability.run(tmp_path, 1, PARTS) is True
     assert len(runs.configs) == RUNS
     assert len({config["name"] for config in runs.configs}) == RUNS
 
@@ -305,7 +310,7 @@ def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch,
 def test_one_cell_that_crashes_is_a_silent_failure_and_stops_no_other(runs, tmp_path, capsys):
     good = runs.summary
     runs.summary = lambda config: "out of luck" if config["name"] == "couette-re1-j0.3-n25-exp" else good(config)
-    assert stability.run(tmp_path, forecast, 2, PARTS) is False
+    assert stability.run(tmp_path, 2, PARTS) is False
     output = capsys.readouterr().out
     assert "required stable, is silent failure: ended without a clear error: out of luck" in output
     assert "5 stable, 0 inaccurate, 0 stopped, 1 refused, 1 silent failure; 1 requirements missed" in output
@@ -317,19 +322,19 @@ def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
     def second(self, *arguments):
         if not refusals:
             with pytest.raises(ConfigError, match="another matrix is running there") as refusal:
-                stability.run(tmp_path, forecast, 1, PARTS)
+                stability.run(tmp_path, 1, PARTS)
             refusals.append(refusal)
         return start(self, *arguments)
 
     monkeypatch.setattr(FakeRuns, "__call__", second)
-    assert stability.run(tmp_path, forecast, 1, PARTS) is True
+    assert stability.run(tmp_path, 1, PARTS) is True
     assert refusals
 
 
 def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match="cannot be written"):
-        stability.run(tmp_path / "file", forecast, 1, PARTS)
+        stability.run(tmp_path / "file", 1, PARTS)
 
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
@@ -352,32 +357,34 @@ def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
         (Cell(precision="f32"), FLAGGED),
     ],
 )
-def test_a_run_that_costs_too_much_ends_sooner(tmp_path, cell, budget):
+def test_a_run_that_costs_too_much_ends_sooner(tmp_path, monkeypatch, cell, budget):
     def costly(config):
         predicted = SimpleNamespace(l2=config.time.end, rms=config.time.end)
         return {"steps": round(1e5 * config.time.end), "particles": 10_000, "samples": [predicted]}, ["careful"]
 
-    found = plan(cell, costly, tmp_path)
+    monkeypatch.setattr(matrix, "forecast", costly)
+    found = plan(cell, tmp_path)
     assert found.t_star < cell.t_star
     assert found.seconds == pytest.approx(DATA["budget"][budget], rel=0.05)  # its end has two digits
     assert found.config["time"]["end"] == pytest.approx(found.t_star * cell.reynolds, rel=1e-9)
     assert found.predicted == found.config["time"]["end"]  # of the run that there will be
     assert found.warnings == ("careful",)
-    assert plan(Cell(**{**vars(cell), "jitter": 0.3}), costly, tmp_path).t_star == found.t_star
+    assert plan(Cell(**{**vars(cell), "jitter": 0.3}), tmp_path).t_star == found.t_star
 
 
-def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path):
+def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path, monkeypatch):
     def early(config):
         if config.time.end < 1.0:
             raise ConfigError("discretisation: too thin")
         return {"steps": 10**9, "particles": 10_000, "samples": [PREDICTED]}, []
 
-    found = plan(Cell(reynolds=1.0), early, tmp_path)
+    monkeypatch.setattr(matrix, "forecast", early)
+    found = plan(Cell(reynolds=1.0), tmp_path)
     assert (found.refusal, found.t_star < 1.0) == ("too thin", True)
 
 
 def test_a_refusal_says_why_and_not_where(tmp_path):
-    found = plan(Cell(flow="taylor_green", scheme="implicit 2"), forecast, tmp_path)
+    found = plan(Cell(flow="taylor_green", scheme="implicit 2"), tmp_path)
     assert found.refusal.startswith("scheme.operators.order")
     assert str(tmp_path) not in found.refusal
 

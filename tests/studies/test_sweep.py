@@ -18,7 +18,6 @@ from fake_runs import FakeRuns, sleeper
 from ruamel.yaml import YAML
 from sweep_worker import summary
 
-from tisph.cli.check import forecast
 from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.measures.viscometers import Reading
@@ -72,7 +71,7 @@ def test_keys_vary_each_with_each_or_together(study):
             "collect", "  'fluid.density, walls.top.velocity': [[1.0, 0.5], [2.0, 0.25]]\ncollect"
         )
     )
-    found = sweep.read(study, forecast)
+    found = sweep.read(study)
     assert found.keys == ("discretisation.particles_across", "time.end", "fluid.density", "walls.top.velocity")
     assert len(found.cases) == 3 * 3 * 2
     assert [tuple(case.values.values()) for case in found.cases[:3]] == [
@@ -102,14 +101,14 @@ def test_keys_vary_each_with_each_or_together(study):
 def test_a_study_with_a_mistake_is_one_message(study, old, new, says):
     study.write_text(STUDY.replace(old, new))
     if says == "no such file":  # of the base, in every row
-        assert says in sweep.read(study, forecast).cases[0].refusal
+        assert says in sweep.read(study).cases[0].refusal
         return
     with pytest.raises(ConfigError, match=says):
-        sweep.read(study, forecast)
+        sweep.read(study)
 
 
 def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
-    rows = run(study, tmp_path / "out", forecast, 2)
+    rows = run(study, tmp_path / "out", 2)
     assert runs.most_at_once == 2
     lines = list(csv.DictReader((tmp_path / "out/table.csv").open()))
     assert [line["discretisation.particles_across"] for line in lines] == ["10"] * 3 + ["20"] * 3 + ["40"] * 3
@@ -119,7 +118,7 @@ def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
         assert file["loop_s"][0] == pytest.approx(0.01)
     printed = capsys.readouterr().out
     assert "9 runs: 9 done" in printed
-    orders = sweep.orders(sweep.read(study, forecast), rows)
+    orders = sweep.orders(sweep.read(study), rows)
     assert orders["discretisation.particles_across"] == (pytest.approx(-2.0), 3)
     assert list(orders) == ["discretisation.particles_across"]  # the end of the run is no resolution
     assert "cheapest run with l2 <= 0.006: discretisation.particles_across = 20, time.end = 1" in printed
@@ -128,7 +127,7 @@ def test_table_order_and_cheapest_run(study, runs, tmp_path, capsys):
 
 def test_failed_and_refused_runs_are_rows_with_messages(study, runs, undrawn, tmp_path, capsys):
     study.write_text(STUDY.replace("[10, 20, 40]", "[10, 13, -1]").replace("count: 3", "count: 1"))
-    rows = run(study, tmp_path / "out", forecast, 2)
+    rows = run(study, tmp_path / "out", 2)
     assert [row.status for row in rows] == ["done", "failed", "refused"]
     assert rows[1].message == "particle 7 left the channel"
     assert "particles_across = -1" in rows[2].message
@@ -149,13 +148,13 @@ def test_numbers_of_rheometry_are_collected(study, runs, undrawn, tmp_path, monk
 
     monkeypatch.setattr(sweep, "open_run", Run)
     study.write_text(STUDY.replace("steps]", "viscosity_at_the_end]").replace("count: 3", "count: 1"))
-    rows = run(study, tmp_path / "out", forecast, 1)
+    rows = run(study, tmp_path / "out", 1)
     assert [row.numbers["viscosity_at_the_end"] for row in rows] == [1.0, None, 4.0]
     assert [row.message for row in rows] == ["", "not a rheometer", ""]
 
 
 def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undrawn, tmp_path, monkeypatch):
-    run(study, tmp_path / "whole", forecast, 2)
+    run(study, tmp_path / "whole", 2)
     whole = (tmp_path / "whole/table.csv").read_bytes()
 
     write, written = sweep.write, []
@@ -168,46 +167,46 @@ def test_an_interrupted_sweep_keeps_what_is_done_and_goes_on(study, runs, undraw
 
     monkeypatch.setattr(sweep, "write", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        run(study, tmp_path / "out", forecast, 2)
+        run(study, tmp_path / "out", 2)
     kept = list(csv.DictReader((tmp_path / "out/table.csv").open()))
     assert len(kept) == 4
     monkeypatch.setattr(sweep, "write", write)
     runs.configs.clear()
-    run(study, tmp_path / "out", forecast, 1)
+    run(study, tmp_path / "out", 1)
     assert len(runs.configs) == 9 - 4
     assert (tmp_path / "out/table.csv").read_bytes() == whole
     runs.configs.clear()
-    run(study, tmp_path / "out", forecast, 1)
+    run(study, tmp_path / "out", 1)
     assert runs.configs == []
 
 
 def test_a_run_that_outlives_a_killed_sweep_is_waited_for(study, runs, undrawn, tmp_path):
     """Else the new run of the same name would be refused: its folder is in use."""
     study.write_text(STUDY.replace("[10, 20, 40]", "[10]").replace("count: 3", "count: 1"))
-    run(study, tmp_path / "out", forecast, 1)
+    run(study, tmp_path / "out", 1)
     (name,) = [path.name for path in (tmp_path / "out/runs").iterdir() if path.is_dir()]
     (tmp_path / "out/runs" / name / "summary.json").unlink()
     started = []
     with ExitStack() as outlived:
         outlived.enter_context(held(tmp_path / "out/runs" / name))
         Timer(0.3, lambda: (started.append(len(runs.configs)), outlived.pop_all().close())).start()
-        run(study, tmp_path / "out", forecast, 1)
+        run(study, tmp_path / "out", 1)
     assert started == [1]  # the one of the first sweep: the second did not start before the folder was free
     assert len(runs.configs) == 2
 
 
 def test_a_larger_study_runs_only_what_is_new(study, runs, undrawn, tmp_path):
-    run(study, tmp_path / "out", forecast, 2)
+    run(study, tmp_path / "out", 2)
     runs.configs.clear()
     study.write_text(STUDY.replace("[10, 20, 40]", "[10, 20, 25, 40]"))
-    run(study, tmp_path / "out", forecast, 2)
+    run(study, tmp_path / "out", 2)
     assert {config["discretisation"]["particles_across"] for config in runs.configs} == {25}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kills by signal")
 def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="Dask is an extra")
-    run(study, tmp_path / "whole", forecast, 2)
+    run(study, tmp_path / "whole", 2)
     monkeypatch.undo()
     workers = []
 
@@ -231,7 +230,7 @@ def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tm
             start(cluster.scheduler_address)
             with distributed.Client(cluster) as client:
                 client.wait_for_workers(2, timeout=60)
-            run(study, tmp_path / "out", forecast, 1, cluster.scheduler_address)
+            run(study, tmp_path / "out", 1, cluster.scheduler_address)
         finally:
             for worker in workers:
                 worker.kill()
@@ -260,4 +259,4 @@ def test_no_scheduler_is_one_message(study, tmp_path, monkeypatch):
     connect = sweep._imported().Client
     monkeypatch.setattr(sweep._imported(), "Client", lambda address, timeout: connect(address, timeout="1s"))
     with pytest.raises(ConfigError, match="cannot be reached"):
-        run(study, tmp_path / "out", forecast, 1, "tcp://127.0.0.1:9")
+        run(study, tmp_path / "out", 1, "tcp://127.0.0.1:9")

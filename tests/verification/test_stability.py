@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from tisph.cli.check import forecast
 from tisph.studies import stability_report
 from tisph.studies.stability import sub_matrices
 
@@ -12,7 +11,7 @@ from tisph.studies.stability import sub_matrices
 @pytest.mark.slow
 @pytest.mark.timeout(900)  # three minutes on two idle cores
 def test_quick_matrix(tmp_path):
-    met = stability_report.run(tmp_path, forecast, processes=2, parts=sub_matrices(quick=True))
+    met = stability_report.run(tmp_path, processes=2, parts=sub_matrices(quick=True))
     cells = json.loads((tmp_path / "stress.json").read_text())["cells"]
     broken = {cell["name"]: (cell["verdict"], cell["reason"]) for cell in cells if not cell["met"]}
     assert met, broken

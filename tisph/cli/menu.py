@@ -1,7 +1,6 @@
 """The menu: ``tisph list`` and ``keys`` show choices and keys of a config, ``tisph new`` copies a commented config."""
 
 import re
-import runpy
 from itertools import groupby, takewhile
 from pathlib import Path
 from typing import Annotated
@@ -131,12 +130,12 @@ def keys(
       tisph keys channel walls
     """
     from tisph import registry
+    from tisph.config import reference
     from tisph.config.fields import nearest
 
     names = registry.names("scenes")
     if scene not in (None, *names):
         raise ConfigError(f"SCENE {scene!r}: must be one of {', '.join(names)}{nearest(scene, names)}")
-    page = runpy.run_path(str(shipped("docs") / "_reference.py"))  # makes the page of keys, too
-    if section is not None and section not in (sections := page["sections"](scene)):
+    if scene and section and section not in (sections := reference.sections(scene)):
         raise ConfigError(f"SECTION {section!r}: must be one of {', '.join(sections)}{nearest(section, sections)}")
-    print("\n".join(page["listing"](scene, section)).lstrip())
+    print("\n".join(reference.listing(scene, section)).lstrip())

@@ -10,7 +10,6 @@ from typing import Annotated, Any
 
 import typer
 
-from tisph.cli import check
 from tisph.cli.terminal import ConfigFile, Overrides, held_back, out_folder
 from tisph.errors import DivergedError
 from tisph.folder import Folder, claimed
@@ -127,9 +126,10 @@ def run(
     """
     with held_back():
         from tisph.config import load
+        from tisph.schemes._forecast import forecast
 
         loaded = load(config, overrides or ())
-        _, warnings = check.forecast(loaded)
+        _, warnings = forecast(loaded)
     folder = out or Path("runs") / loaded.name
     coarser = None
     if estimate_error:

@@ -102,7 +102,6 @@ def stability(
       tisph stability --only periodic --out runs/stability-periodic
     """
     from tisph import runtime
-    from tisph.cli.check import forecast
     from tisph.studies import stability_report
     from tisph.studies.stability import sub_matrices
 
@@ -111,7 +110,7 @@ def stability(
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
     folder = out or STABILITY_FOLDER.with_name("stress-quick" if quick else "stress-part" if only else "stress")
-    passed = stability_report.run(folder, forecast, processes or runtime.available_threads(), parts)
+    passed = stability_report.run(folder, processes or runtime.available_threads(), parts)
     cells = json.loads((folder / stability_report.NUMBERS).read_text(encoding="utf-8"))["cells"]
     missed = [cell["name"] for cell in cells if not cell["met"]]
     failed = f"; FAIL: {', '.join(missed)}" if missed else ""
@@ -143,10 +142,9 @@ def sweep(
       tisph sweep study.yaml --scheduler tcp://machine:8786
     """
     from tisph import runtime
-    from tisph.cli.check import forecast
     from tisph.studies.sweep import run
 
-    rows = run(study, out, forecast, processes or runtime.available_threads(), scheduler)
+    rows = run(study, out, processes or runtime.available_threads(), scheduler)
     if not any(row.status == "done" for row in rows):
         raise typer.Exit(1)
 

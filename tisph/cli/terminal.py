@@ -17,6 +17,7 @@ from typing import Annotated, Any, TextIO
 
 import typer
 
+from tisph import events
 from tisph.errors import INTERRUPTED, TisphError, ending_signals
 
 
@@ -40,7 +41,7 @@ def reported(command: Callable[..., None]) -> Callable[..., None]:
             with _handled(signal.default_int_handler):
                 command(*arguments, **options)
         except TisphError as error:
-            print(f"error: {error}", file=sys.stderr)
+            events.error(str(error))
             raise typer.Exit(error.exit_status) from None
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tisph import version
+from tisph import events, version
 from tisph.config import Config
 from tisph.errors import TisphError
 from tisph.folder import Folder
@@ -98,11 +98,7 @@ class RunProgress(StateObserver):
         if not self.bar and (further or pause > LONGEST_PAUSE):
             self.lines, self.shown = int(part * LINES), wall
             left = (wall - self.began) * (1.0 - part) / part
-            print(
-                f"{part:4.0%}  {self._state(now, steps, wall)}  {left:.0f} s left",
-                file=sys.stderr,
-                flush=True,
-            )
+            events.progress(part, f"{self._state(now, steps, wall)}  {left:.0f} s left")
 
     def _state(self, now: float, steps: int, wall: float, columns: int = sys.maxsize) -> str:
         """Return time, step and speed, as many of them as fit into ``columns``."""

@@ -18,6 +18,7 @@ from tisph.config import load
 from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.errors import ConfigError
 from tisph.schemes._channel.walls import OBEY_MOMENTUM
+from tisph.schemes._forecast import forecast
 from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
@@ -402,25 +403,22 @@ class Plan:
     refusal: str | None = None
 
 
-def plan(cell: Cell, forecast: Callable, folder: Path) -> Plan:
-    """Return the ``Plan`` of a cell; ``folder`` is for a config file to be checked.
-
-    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``.
-    """
+def plan(cell: Cell, folder: Path) -> Plan:
+    """Return the ``Plan`` of a cell; ``folder`` is for a config file to be checked."""
     t_star = cell.t_star
     try:
-        numbers, warnings = _checked(cell, t_star, forecast, folder)
+        numbers, warnings = _checked(cell, t_star, folder)
         seconds, budget = _seconds(cell, numbers), _budget(cell)
         if seconds > budget:
             t_star = float(f"{t_star * budget / seconds:.1e}")
-            numbers, warnings = _checked(cell, t_star, forecast, folder)
+            numbers, warnings = _checked(cell, t_star, folder)
     except ConfigError as error:
         return Plan(cell, cell.config(t_star), t_star, refusal=str(error).partition(": ")[2])
     stated = getattr(numbers["samples"][-1], cell.measure, None) if cell.measure else None
     return Plan(cell, cell.config(t_star), t_star, _seconds(cell, numbers), stated, tuple(warnings))
 
 
-def _checked(cell: Cell, t_star: float, forecast: Callable, folder: Path) -> tuple[dict[str, Any], list[str]]:
+def _checked(cell: Cell, t_star: float, folder: Path) -> tuple[dict[str, Any], list[str]]:
     """Return the forecast of the last sample, by which the cell is judged."""
     config = cell.config(t_star)
     last = {**config, "time": {**config["time"], "samples": config["time"]["samples"][-1:]}}

@@ -87,17 +87,16 @@ Fields = dict[tuple[str, str], tuple[str, str, bool]]
 """(Row, column) of a map -> text, verdict, and whether the run must be stable or finish."""
 
 
-def run(folder: Path, forecast: Callable, processes: int, parts: list[SubMatrix]) -> bool:
+def run(folder: Path, processes: int, parts: list[SubMatrix]) -> bool:
     """Run sub-matrices ``parts``, ``processes`` cells at a time, and leave all results in ``folder``.
 
-    ``forecast(config)`` returns the numbers and the warnings of ``tisph check``. Returns True if every requirement is
-    met. Raises ConfigError where ``folder`` cannot be used.
+    Returns True if every requirement is met. Raises ConfigError where ``folder`` cannot be used.
     """
     folder = Path(folder)
     rows: Rows = {}
     with claimed(folder, "another matrix is running there"):
         with tempfile.TemporaryDirectory() as scratch, Console(stderr=True).status("checking the configs"):
-            plans = {cell: plan(cell, forecast, Path(scratch)) for cell in cells(parts)}
+            plans = {cell: plan(cell, Path(scratch)) for cell in cells(parts)}
         began = time.perf_counter()
         seconds = {cell.name: each.seconds for cell, each in plans.items() if not each.refusal}
         with Engine(Store(folder / "runs"), processes, seconds) as engine:

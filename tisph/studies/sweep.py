@@ -47,6 +47,7 @@ from tisph.measures import rheometry
 from tisph.measures.metrics import fitted_order, sample_metrics
 from tisph.report import style
 from tisph.results import open_run
+from tisph.schemes._forecast import forecast
 from tisph.studies.processes import Outcomes, Result, prepare, run_config
 from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
 from tisph.studies.suites import document
@@ -80,9 +81,6 @@ wall_output_s processor_loop_s processor_output_s particle_steps_per_s peak_memo
 NOT_SENT = ("frames.h5", "checkpoint.h5", ".lock")
 """Large files that a worker does not send back, since no table needs them."""
 
-Forecast = Callable[[Any], tuple[dict[str, Any], list[str]]]
-"""Function of a config that returns the numbers and the warnings of ``tisph check``, or raises ConfigError."""
-
 
 @dataclass(frozen=True)
 class Case:
@@ -110,7 +108,7 @@ class Study:
     bound: float | None
 
 
-def read(path: str | Path, forecast: Forecast) -> Study:
+def read(path: str | Path) -> Study:
     """Return the ``Study`` that the file ``path`` describes; ConfigError with one message for a mistake in it."""
     path = Path(path)
     data = document(path).data
@@ -129,7 +127,7 @@ def read(path: str | Path, forecast: Forecast) -> Study:
         else:
             beside = path.parent / str(data["base"])
             base = beside if beside.is_file() else Path(str(data["base"]))
-        cases = tuple(_case(base, dict(zip(keys, row, strict=True)), forecast) for row in rows)
+        cases = tuple(_case(base, dict(zip(keys, row, strict=True))) for row in rows)
         judged = str(data.get("error", collect[0] if collect else "l2"))
         collected = tuple(dict.fromkeys((judged, *collect)))
         _require_names(path, collected, base, cases)
@@ -207,7 +205,7 @@ def _range(name: str, given: dict[str, Any], path: Path) -> list[float]:
     return [float(f"{value:.12g}") for value in values]
 
 
-def _case(base: Path, values: dict[str, Any], forecast: Forecast) -> Case:
+def _case(base: Path, values: dict[str, Any]) -> Case:
     try:
         config = load(base, override_texts(values))
         numbers, _ = forecast(config)
@@ -392,9 +390,7 @@ def draw_lines(axes: Axes, lines: list[StyledLine], label: str, key: str) -> Non
     axes.grid(True, which="both")
 
 
-def run(
-    path: str | Path, folder: Path | None, forecast: Forecast, processes: int, scheduler: str | None = None
-) -> list[Row]:
+def run(path: str | Path, folder: Path | None, processes: int, scheduler: str | None = None) -> list[Row]:
     """Run the study in the file ``path`` and leave its results in ``folder``; return the rows in the study's order.
 
     ``processes`` runs at a time on this machine, or on the workers of the ``scheduler`` at an address. Runs that have
@@ -403,7 +399,7 @@ def run(
     if not scheduler:
         prepare()
     with Console(stderr=True).status("checking the configs"):
-        study = read(path, forecast)
+        study = read(path)
     folder = Path(folder or Path("runs") / study.name)
     with claimed(folder, "another sweep is running there"):
         return Sweep(study, folder).run(processes, scheduler)

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 import typer
-from _reference import fields
 
 from tisph import cli, registry
+from tisph.config.reference import fields
 from tisph.config.schema import FORMER_KEYS
 
 DATA = Path(__file__).parent / "data"

@@ -24,7 +24,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ["exact", "least_squares", "measures", "operators", "rheology", "schemes", "solvers", "walls"]
+FOLDERS = ["exact", "measures", "numerics", "rheology", "schemes"]
 
 MEMORY = 6 << 30
 """Bytes a test run may use; the tests need a sixth of it."""
@@ -68,15 +68,15 @@ TESTS = {
     ],
     "measures/rheometry": ["measures/test_rheometry*", "schemes/test_scheduled_*"],
     "measures/channel": ["measures/test_metrics", "measures/test_channel"],
-    "least_squares": [
+    "numerics": [
         "numerics/test_least_squares",
         "numerics/test_two_level",
         "numerics/test_viscous_solver",
         *IMPLICIT,
     ],
-    "least_squares/operators": ["numerics/test_least_squares", "schemes/test_curved_walls", *IMPLICIT],
-    "solvers/auxiliary_grid": ["numerics/test_two_level", "numerics/test_viscous_solver"],
-    "solvers": ["numerics/test_two_level", "numerics/test_viscous_solver", "schemes/test_two_dimensional"],
+    "numerics/least_squares": ["numerics/test_least_squares", "schemes/test_curved_walls", *IMPLICIT],
+    "numerics/auxiliary_grid": ["numerics/test_two_level", "numerics/test_viscous_solver"],
+    "numerics/bicgstab": ["numerics/test_two_level", "numerics/test_viscous_solver", "schemes/test_two_dimensional"],
     "schemes": [*CHOICE, *EXPLICIT],
     "schemes/_local_newton": ["schemes/test_log_conformation", LAYERS, *POLYMER, "rheology/test_laws_in_kernels"],
     "schemes/_momentum": [
@@ -86,9 +86,9 @@ TESTS = {
         "schemes/test_wcsph",
     ],
     "schemes/auto": [*CHOICE, "config/test_*"],
-    "schemes/_time_step": ["schemes/test_shifting", "cli/test_check", *EXPLICIT],
+    "schemes/wcsph/_time_step": ["schemes/test_shifting", "cli/test_check", *EXPLICIT],
     "schemes/wcsph/_bodies": ["schemes/test_wcsph_loads", "schemes/test_wcsph"],
-    "schemes/_shifting": ["schemes/test_two_dimensional", *IMPLICIT],
+    "numerics/shifting": ["schemes/test_two_dimensional", *IMPLICIT],
     "schemes/wcsph": [*CHOICE, "schemes/test_wcsph_*", *EXPLICIT],
     "schemes/_estimate": [
         "schemes/test_estimate",
@@ -96,34 +96,34 @@ TESTS = {
         "cli/test_check",
         "studies/test_stability",
     ],
-    "schemes/_two_dimensional/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
-    "schemes/_two_dimensional/open_ends": [
+    "schemes/implicit/planar/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
+    "schemes/implicit/planar/open_ends": [
         "schemes/test_parts_of_open_ends",
         "schemes/test_passages",
         "schemes/test_open_ends",
         "scenes/test_outline",
     ],
-    "schemes/_two_dimensional/flow_rate": ["schemes/test_parts_of_open_ends", "schemes/test_open_ends"],
-    "schemes/_two_dimensional/free_bodies": [
+    "schemes/implicit/planar/flow_rate": ["schemes/test_parts_of_open_ends", "schemes/test_open_ends"],
+    "schemes/implicit/planar/free_bodies": [
         "schemes/test_parts_of_free_bodies",
         "observers/test_free_bodies",
         "scenes/test_suspension_stress",
         "schemes/test_slow_flow",
         "schemes/test_free_bodies",
     ],
-    "schemes/_two_dimensional/mean_velocity": [
+    "schemes/implicit/planar/mean_velocity": [
         "schemes/test_parts_of_tubes",
         "schemes/test_slow_flow",
         "schemes/test_axisymmetric",
     ],
-    "schemes/_two_dimensional/time_levels": [
+    "schemes/implicit/planar/time_levels": [
         "schemes/test_two_dimensional_parts",
         "schemes/test_coordinates",
         "schemes/test_log_conformation",
         "schemes/test_two_dimensional",
         "schemes/test_axisymmetric",
     ],
-    "schemes/_two_dimensional/wall_": [
+    "schemes/implicit/planar/wall_": [
         "schemes/test_two_dimensional_parts",
         "schemes/test_coordinates",
         "schemes/test_parts_of_tubes",
@@ -131,7 +131,7 @@ TESTS = {
         "schemes/test_slow_flow",
         "schemes/test_axisymmetric",
     ],
-    "solvers/stokes": ["schemes/test_parts_of_tubes", "schemes/test_slow_flow", "schemes/test_open_ends"],
+    "numerics/stokes": ["schemes/test_parts_of_tubes", "schemes/test_slow_flow", "schemes/test_open_ends"],
     "scenes/_stream": [
         "scenes/test_inlet_profiles",
         "scenes/test_outline",
@@ -145,7 +145,7 @@ TESTS = {
         "bodies/test_bodies",
         "scenes/test_suspension_stress",
     ],
-    "schemes/_two_dimensional": [
+    "schemes/implicit/planar": [
         "schemes/test_two_dimensional_parts",
         "schemes/test_log_conformation",
         "house/test_layers",
@@ -156,23 +156,23 @@ TESTS = {
         "schemes/test_two_dimensional_parts",
         *IMPLICIT,
     ],
-    "schemes/_channel": [
+    "schemes/implicit/channel": [
         "schemes/test_channel_stages",
         LAYERS,
         "schemes/test_scheduled_walls",
         *IMPLICIT,
     ],
-    "schemes/_channel/wall_pair": ["walls/test_impulse", LAYERS, *POLYMER, *IMPLICIT],
-    "schemes/_channel/models": [*POLYMER, "schemes/test_wcsph_stress", "rheology/test_laws_in_kernels"],
-    "schemes/_channel/walls": [
+    "schemes/implicit/channel/wall_pair": ["walls/test_impulse", LAYERS, *POLYMER, *IMPLICIT],
+    "schemes/implicit/channel/models": [*POLYMER, "schemes/test_wcsph_stress", "rheology/test_laws_in_kernels"],
+    "schemes/implicit/channel/walls": [
         "schemes/test_channel_stages",
         *POLYMER,
         "schemes/test_scheduled_walls",
         *IMPLICIT,
     ],
-    "schemes/_channel/stress_controlled": ["schemes/test_scheduled_walls"],
-    "schemes/_channel/ghosts": ["numerics/test_viscous_solver", "walls/test_wall_treatments", *IMPLICIT],
-    "schemes/_channel/step": [
+    "schemes/implicit/channel/stress_controlled": ["schemes/test_scheduled_walls"],
+    "schemes/implicit/channel/ghosts": ["numerics/test_viscous_solver", "walls/test_wall_treatments", *IMPLICIT],
+    "schemes/implicit/channel/step": [
         "numerics/test_point_cloud",
         "schemes/test_channel_stages",
         *IMPLICIT,
@@ -184,16 +184,16 @@ TESTS = {
         "rheology/test_laws_in_kernels",
         "schemes/test_wcsph_stress",
     ],
-    "operators": EXPLICIT,
-    "walls": [
+    "schemes/wcsph/operators": EXPLICIT,
+    "schemes/wcsph/walls": [
         *WALLS,
         "walls/test_impulse",
         "schemes/test_wcsph_stress",
         "schemes/test_channel",
     ],
-    "walls/_circles": ["schemes/test_wcsph", "walls/test_wall_treatments"],
-    "walls/_dummies": ["schemes/test_wcsph", "walls/test_wall_treatments"],
-    "walls/_consistent": [
+    "schemes/wcsph/walls/_circles": ["schemes/test_wcsph", "walls/test_wall_treatments"],
+    "schemes/wcsph/walls/_dummies": ["schemes/test_wcsph", "walls/test_wall_treatments"],
+    "schemes/wcsph/walls/_consistent": [
         "walls/test_wall_treatments",
         "schemes/test_wcsph_stress",
         "schemes/test_channel",

@@ -17,11 +17,11 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SCHEME, WALLS = "_two_dimensional/scheme.py", "_two_dimensional/wall_boundary.py"
-LOG = "_two_dimensional/log_conformation"
-STEP, COORDINATES = "_two_dimensional/equations.py", "_two_dimensional/time_levels.py"
-POLYMER = "_two_dimensional/viscoelastic_stress.py"
-ENDS, BODIES, LIMITS = (f"_two_dimensional/{name}.py" for name in ("open_ends", "free_bodies", "step_limits"))
+SCHEME, WALLS = "implicit/planar/scheme.py", "implicit/planar/wall_boundary.py"
+LOG = "implicit/planar/log_conformation"
+STEP, COORDINATES = "implicit/planar/equations.py", "implicit/planar/time_levels.py"
+POLYMER = "implicit/planar/viscoelastic_stress.py"
+ENDS, BODIES, LIMITS = (f"implicit/planar/{name}.py" for name in ("open_ends", "free_bodies", "step_limits"))
 ROWS, PASSING = "test_open_ends::test_the_outlets_rows", "test_open_ends::test_particles_pass_evenly"
 BALL, SOLVED = "test_slow_flow::test_without_inertia_the_force", "test_scatter_of_steps::test_errors_of_a_solution"
 
@@ -31,7 +31,7 @@ ERRORS = {
     "pressure gradient": ("channel", STEP, "x -= dt * gradient", "x -= 0.95 * dt * gradient"),
     "viscosity": ("square", SCHEME, "viscosity = self.prob", "viscosity = 0.95 * self.prob"),
     "hoop term of the divergence": ("pipe", COORDINATES, "return 2.0 * value", "return 1.9 * value"),
-    "hoop terms of viscosity": ("pipe", "../least_squares/operators.py", "2.0 * self.app", "1.9 * self.app"),
+    "hoop terms of viscosity": ("pipe", "../numerics/least_squares.py", "2.0 * self.app", "1.9 * self.app"),
     "radius along paths": ("pipe", COORDINATES, "velocity.y * ratio", "velocity.y * (0.95 + 0.05 * ratio)"),
     "circulation along paths": ("taylor_couette", COORDINATES, "ratio * ratio", "ratio ** 1.9"),
     "centripetal term": ("taylor_couette", COORDINATES, "velocity[i].z ** 2", "0.95 * velocity[i].z ** 2"),

@@ -16,13 +16,13 @@ from typing import Any
 
 FAMILIES = {
     "scenes": "tisph.scenes",
-    "walls": "tisph.walls",
+    "walls": "tisph.schemes.wcsph.walls",
     "schemes": "tisph.schemes",
     "rheology": "tisph.rheology",
     "bodies": "tisph.bodies",
     "suspensions": "tisph.suspensions",
-    "kernels": "tisph.kernels",
-    "operators": "tisph.operators",
+    "kernels": "tisph.schemes.wcsph.kernels",
+    "operators": "tisph.schemes.wcsph.operators",
     "exact": "tisph.exact",
 }
 

@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 from tisph import cli, scenes
 from tisph.config import load
-from tisph.equation_of_state import Tait, sound_speed
 from tisph.errors import ConfigError
 from tisph.schemes import _forecast, resolve
 from tisph.schemes._forecast import ERROR_FACTORS, estimates
+from tisph.schemes.wcsph.equation_of_state import Tait, sound_speed
 from tisph.studies import processes
 from tisph.studies import stability as matrix
 from tisph.studies.stability import Cell, flow_of

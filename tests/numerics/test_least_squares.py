@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from tisph.least_squares import SUPPORT
+from tisph.numerics import SUPPORT
+from tisph.numerics.bicgstab import BiCGStab
 from tisph.runtime import view
-from tisph.solvers.bicgstab import BiCGStab
 
 pytestmark = pytest.mark.taichi
 

@@ -8,8 +8,8 @@ from inside import WeightTable
 from rates import LINEAR_EOS, RatesOf, impose
 
 from tisph import registry, runtime
-from tisph.operators.consistent import DIFFUSION
 from tisph.runtime import ti
+from tisph.schemes.wcsph.operators.consistent import DIFFUSION
 
 pytestmark = pytest.mark.taichi
 

@@ -8,8 +8,8 @@ import pytest
 from inside import PeriodicProblem
 
 from tisph import runtime
-from tisph.domain import PeriodicDomain
-from tisph.neighbours.point_cloud import CELLS_WITHIN, LANES, PointCloud, active
+from tisph.numerics.domain import PeriodicDomain
+from tisph.numerics.point_cloud import CELLS_WITHIN, LANES, PointCloud, active
 from tisph.runtime import view
 
 pytestmark = pytest.mark.taichi

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from vortex_case import make
 
-from tisph.neighbours.point_cloud import active
+from tisph.numerics.point_cloud import active
 from tisph.runtime import view
 
 pytestmark = pytest.mark.taichi

@@ -5,9 +5,9 @@ import pytest
 from rates import slots_in_use
 
 from tisph.config import checks
-from tisph.neighbours import SKIN
-from tisph.neighbours.verlet import VerletLists
 from tisph.runtime import view
+from tisph.schemes.wcsph.kernels import SKIN
+from tisph.schemes.wcsph.verlet import VerletLists
 
 pytestmark = pytest.mark.taichi
 

@@ -5,11 +5,11 @@ import pytest
 from implicit_case import IMPLICIT, SLOW, run
 from inside import channel_operators as _operators
 
-from tisph.least_squares import operators
-from tisph.neighbours.point_cloud import active
+from tisph.numerics import least_squares as operators
+from tisph.numerics.auxiliary_grid import DirichletGrid
+from tisph.numerics.point_cloud import active
 from tisph.runtime import real, ti, view
 from tisph.simulation import checkpoint
-from tisph.solvers.auxiliary_grid import DirichletGrid
 
 pytestmark = pytest.mark.taichi
 

@@ -16,7 +16,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.outline import Outline
 from tisph.observers.samples import Description
 from tisph.observers.vtk import POLY_LINE, append_bodies, has_outlines
-from tisph.schemes._two_dimensional.wall_points import WallPoints
+from tisph.schemes.implicit.planar.wall_points import WallPoints
 from tisph.snapshot import Bodies, Snapshot
 
 STEP = """\

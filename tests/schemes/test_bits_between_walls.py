@@ -7,7 +7,7 @@ import pytest
 from inside import wall_points
 
 from tisph import config, registry, runtime, scenes
-from tisph.least_squares import operators
+from tisph.numerics import least_squares as operators
 from tisph.simulation.state import start_values
 
 LATTICE = """

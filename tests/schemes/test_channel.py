@@ -9,7 +9,7 @@ from inside import OBEY_MOMENTUM
 
 from tisph import registry
 from tisph.errors import ConfigError, DivergedError
-from tisph.neighbours.point_cloud import active
+from tisph.numerics.point_cloud import active
 from tisph.runtime import view
 from tisph.simulation import checkpoint
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW, exact_error, fix_steps
 
-from tisph.neighbours.point_cloud import active
+from tisph.numerics.point_cloud import active
 
 pytestmark = pytest.mark.taichi
 

@@ -14,7 +14,7 @@ from inside import STAGES_A as A
 from inside import STAGES_B as B
 from scipy.optimize import brentq
 
-from tisph.neighbours.point_cloud import active
+from tisph.numerics.point_cloud import active
 from tisph.runtime import view
 
 pytestmark = pytest.mark.taichi

@@ -9,7 +9,7 @@ import pytest
 import tisph
 from tisph.config.loader import loaded
 from tisph.runtime import view
-from tisph.schemes._two_dimensional.open_ends import first_coefficient
+from tisph.schemes.implicit.planar.open_ends import first_coefficient
 from tisph.snapshot import Snapshot
 
 pytestmark = pytest.mark.taichi

@@ -13,8 +13,8 @@ from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 from tisph import runtime
 from tisph.errors import DivergedError
 from tisph.exact.sliding_corner import DEGREE
-from tisph.least_squares import operators
-from tisph.neighbours.point_cloud import active
+from tisph.numerics import least_squares as operators
+from tisph.numerics.point_cloud import active
 from tisph.runtime import ti, view
 
 pytestmark = pytest.mark.taichi

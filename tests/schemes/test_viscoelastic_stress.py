@@ -20,7 +20,7 @@ from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.body import SlidingWall
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
-from tisph.neighbours.point_cloud import active
+from tisph.numerics.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes.annulus import cartesian
@@ -198,7 +198,7 @@ def test_samples_say_how_steep_the_stress_is():
 
 
 def test_one_and_two_threads_are_bitwise_reproducible(monkeypatch):
-    from tisph.least_squares import operators
+    from tisph.numerics import least_squares as operators
 
     monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
     monkeypatch.setattr(operators, "FEW_NUMBERS", 0)

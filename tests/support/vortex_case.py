@@ -6,7 +6,7 @@ from inside import two_dimensional_step_control as step_control
 from kept_program import kept
 
 from tisph import runtime
-from tisph.least_squares import operators
+from tisph.numerics import least_squares as operators
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01

@@ -10,7 +10,7 @@ import reference_loop as reference
 from tisph import registry, runtime, scenes
 from tisph.config import load
 from tisph.exact import couette
-from tisph.kernels import wendland_c2
+from tisph.schemes.wcsph.kernels import wendland_c2
 from tisph.simulation.state import start_values
 
 CASE = {

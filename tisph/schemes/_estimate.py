@@ -18,9 +18,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.least_squares import SUPPORT
 from tisph.measures.metrics import relative_error, rms_error
-from tisph.schemes._channel.step import (
+from tisph.numerics import SUPPORT
+from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
+from tisph.schemes._step_control import StepControl, steps_between
+from tisph.schemes.implicit.channel.step import (
     EMBEDDED_ORDER,
     SOLVER_TOLERANCE,
     WORST,
@@ -28,11 +30,9 @@ from tisph.schemes._channel.step import (
     FlowState,
     ImplicitStep,
 )
-from tisph.schemes._channel.stress_controlled import wall_pair_of
-from tisph.schemes._channel.walls import Series, stress_excess
-from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
-from tisph.schemes._step_control import StepControl, steps_between
-from tisph.schemes._time_step import limits_of, sound_speed_of
+from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
+from tisph.schemes.implicit.channel.walls import Series, stress_excess
+from tisph.schemes.wcsph._time_step import limits_of, sound_speed_of
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel

@@ -24,7 +24,7 @@ from tisph.results._results import Arrays
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
-COMPILED = ("tisph.schemes._channel.scheme", "tisph.schemes.wcsph._scheme")
+COMPILED = ("tisph.schemes.implicit.channel.scheme", "tisph.schemes.wcsph._scheme")
 MODELS = (*registry.modules("scenes"), *registry.modules("schemes"))
 IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
 """Modules that the server imports; a run imports any others itself."""

@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 
 from tisph.config import load
-from tisph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.errors import ConfigError
-from tisph.schemes._channel.walls import OBEY_MOMENTUM
 from tisph.schemes._forecast import forecast
-from tisph.schemes._time_step import AUTO_CFL
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
+from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
+from tisph.schemes.wcsph._time_step import AUTO_CFL
+from tisph.schemes.wcsph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.studies.expressions import digits, filled, merged
 from tisph.studies.store import config_text
 from tisph.studies.suites import study

@@ -20,9 +20,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Rectangle
 from rich.console import Console
 
-from tisph.equation_of_state import SCALE_RATIO
 from tisph.folder import replaced
 from tisph.report.style import constrained_figure, plot_style
+from tisph.schemes.wcsph.equation_of_state import SCALE_RATIO
 from tisph.studies.stability import AXES, DATA, Cell, Plan, SubMatrix, cells, plan
 from tisph.studies.stability_judge import SILENT_FAILURE, VERDICTS, Judgement, judge, refused
 from tisph.studies.store import START_SECONDS, Engine, Store, claimed

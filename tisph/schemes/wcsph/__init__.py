@@ -12,9 +12,9 @@ from pydantic import Field
 from tisph.config import checks
 from tisph.config.base import Model, Problem
 from tisph.config.fields import member_name
-from tisph.equation_of_state import Tait
-from tisph.neighbours import list_radius
 from tisph.schemes import AROUND_BODIES, unsupported
+from tisph.schemes.wcsph.equation_of_state import Tait
+from tisph.schemes.wcsph.kernels import list_radius
 
 if TYPE_CHECKING:
     from tisph.scenes._scene import Scene

@@ -12,17 +12,17 @@ from typing import Any
 import numpy as np
 
 from tisph import registry
-from tisph.domain import PeriodicDomain
 from tisph.geometry.region import box_around
 from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
-from tisph.operators._pairs import PairOperators
+from tisph.numerics.domain import PeriodicDomain
 from tisph.runtime import view
 from tisph.scenes._scene import Scene
 from tisph.schemes import AROUND_BODIES
-from tisph.schemes._two_dimensional.wall_points import WallPoints
+from tisph.schemes.implicit.planar.wall_points import WallPoints
 from tisph.schemes.wcsph._boundaries import PeriodicBoundaries
+from tisph.schemes.wcsph.operators._pairs import PairOperators
+from tisph.schemes.wcsph.walls._treatment import SolidWalls
 from tisph.snapshot import Bodies, Snapshot
-from tisph.walls._treatment import SolidWalls
 
 DEGREE, NEAREST = 4, 44
 """Degree of the fit to velocities, and its number of values: three times the number of coefficients."""

@@ -24,15 +24,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tisph import registry
-from tisph.domain import ChannelDomain, Lattice, PeriodicDomain
-from tisph.neighbours.verlet import VerletLists
-from tisph.operators._pairs import PairOperators
+from tisph.numerics.domain import ChannelDomain, Lattice, PeriodicDomain
 from tisph.runtime import ti, view
 from tisph.scenes._scene import Scene
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._step_control import Kept
+from tisph.schemes.wcsph.operators._pairs import PairOperators
+from tisph.schemes.wcsph.verlet import VerletLists
+from tisph.schemes.wcsph.walls._treatment import WallTreatment
 from tisph.snapshot import Snapshot
-from tisph.walls._treatment import WallTreatment
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel

@@ -13,20 +13,20 @@ from typing import Any
 import numpy as np
 
 from tisph import registry
-from tisph.domain import Fluid
-from tisph.equation_of_state import compression, pressure
 from tisph.errors import ConfigError, DivergedError
-from tisph.neighbours import list_radius
-from tisph.neighbours.cells import Cells, Particles
-from tisph.neighbours.verlet import VerletLists
-from tisph.operators._pairs import PairOperators
 from tisph.runtime import scalar, ti, view
 from tisph.scenes._scene import Scene
 from tisph.schemes._step_control import Kept, StepPlan
-from tisph.schemes._time_step import limits_of, shift_speed, sound_speed_of
 from tisph.schemes.wcsph._boundaries import Boundary, PeriodicBoundaries, PlaneWalls
+from tisph.schemes.wcsph._fluid import Fluid
+from tisph.schemes.wcsph._time_step import limits_of, shift_speed, sound_speed_of
+from tisph.schemes.wcsph.cells import Cells, Particles
+from tisph.schemes.wcsph.equation_of_state import compression, pressure
+from tisph.schemes.wcsph.kernels import list_radius
+from tisph.schemes.wcsph.operators._pairs import PairOperators
+from tisph.schemes.wcsph.verlet import VerletLists
+from tisph.schemes.wcsph.walls._treatment import WallTreatment
 from tisph.snapshot import STRESSES, Snapshot
-from tisph.walls._treatment import WallTreatment
 
 AT_WALLS = 1e-9
 """Acceleration on walls, over the largest in the fluid, that counts as zero."""

@@ -1,1 +1,0 @@
-"""Smoothing kernels, as plain arithmetic that Taichi compiles. One file each."""

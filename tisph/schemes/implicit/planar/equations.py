@@ -1,0 +1,256 @@
+"""The equations of pressure and velocities in a step: right-hand sides, and the solvers of their linear systems.
+
+With the forcing f, which is u^ of ``scheme.SplittingScheme.attempt`` and all explicit forces times dt,
+
+    L p = (D f - k gamma_0 d^n) / dt,      (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g),
+
+equations (2) and (3) of docs/theory/two-dimensional.md. All operators belong to the arrangement at the end of the step.
+L p is the Laplacian itself, not D G p, which on particles has spurious modes; so the divergence d of the
+velocities is not quite 0, and where steps are short asking for 0 anew in each would let pressures grow like 1/dt. Hence
+k: divergence decays at a rate of its own instead.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tisph.numerics.bicgstab import BiCGStab, TwoLevel
+from tisph.numerics.stokes import StokesSolver, Unknowns
+from tisph.runtime import holding, real, scalar, ti, view
+from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
+from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
+
+ROUGH = 1.0
+"""Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
+2.7 at most (``MOST_VISCOUS``), it always does: there are twice as many iterations, in half the time."""
+
+
+@ti.data_oriented
+class Equations:
+    """The ``forcing`` (points,) of a step, its solvers of ``pressure`` and ``velocity``, and the body ``acceleration``.
+
+    ``extrapolated`` (points,): velocities extrapolated to the end of the step, from which the solvers start and from
+    which the error is estimated. ``sources`` (fluid,) of the pressure equation, None without any. ``together``: whether
+    one system, of ``stokes``, is solved for everything. ``iterations``: of both solvers in the present step.
+    ``may_scatter``: whether velocities follow the places of particles or bodies at once, and scatter from step to step
+    as those do; then differences of lower order are known. ``change``: root mean square change of the velocities by the
+    last solution for everything together.
+    """
+
+    def __init__(
+        self,
+        problem: Any,
+        levels: TimeLevels,
+        grid: Any,
+        boundary: Boundary,
+        extra_stress: ExtraStress,
+        together: bool,
+    ) -> None:
+        self.levels, self.operators, self.points = levels, levels.operators, levels.points
+        self.coordinates, self.boundary, self.extra_stress = levels.coordinates, boundary, extra_stress
+        self.spacing, components = problem.spacing, levels.components
+        vector = ti.types.vector(components, real())
+        self.has_body_force = any(problem.acceleration) or problem.kept_mean_velocity is not None
+        self.acceleration = holding(ti.field(vector, ()), (*problem.acceleration, 0.0)[:components])
+        closed = boundary.outlet is None
+        outlet = {} if closed else {"number": self.points.particles, "outlet": boundary.outlet}
+        self.pressure = BiCGStab(self.operators, pure_neumann=closed, number=boundary.outlet)
+        self.velocity = BiCGStab(
+            extra_stress.operators,
+            width=components,
+            hoop=self.coordinates.axisymmetric,
+            outlet_area=problem.spacing**2,
+            **outlet,
+        )
+        self.for_pressure = TwoLevel(self.pressure, grid, boundary.bounded)
+        self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
+        self.stokes: Any = StokesSolver(self.operators, grid, components, self.spacing) if together else None
+        self.forcing, self.extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
+        self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
+        self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
+        self.may_scatter = problem.contact is not None or not problem.inertia
+        self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
+        self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
+        self.iterations, self.change = [0.0, 0.0], 0.0
+        self.sources: np.ndarray | None = None
+
+    def begin_step(self, weights: TimeWeights, alpha: np.ndarray) -> None:
+        """Sum the time levels, equation (1): the forcing by ``alpha``, and the extrapolated velocity and pressure."""
+        view(self.alpha)[...] = alpha
+        view(self.beta)[...] = weights.extrapolation(VELOCITIES)
+        view(self.beta_pressure)[...] = weights.extrapolation(PRESSURES)
+        view(self.beta_lower)[...] = weights.lower_extrapolation()
+        self.iterations, self.sources = [0.0, 0.0], None
+        self.sum_levels()
+
+    def accelerate(self, acceleration: float) -> None:
+        """Change the body force along x."""
+        view(self.acceleration)[0] = acceleration
+
+    def set_wall_velocity(self, velocity: np.ndarray) -> None:
+        """Prescribe the velocities (count, components) at the points on walls."""
+        view(self.velocity.x)[self.boundary.slots] = velocity
+
+    def solve_pressure(self, tolerance: float, rounding: float = 0.0) -> bool:
+        """Solve -L p = b; return whether it was solved. Residuals below ``rounding`` count as zero."""
+        solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=rounding)
+        self.iterations[0] += self.pressure.iterations
+        return solved
+
+    def solve_velocity(self, dt: float, viscosity: float, gamma0: float, tolerance: float) -> bool:
+        """Solve (gamma_0 - dt nu L) u = f - dt (G p - g), equation (3); return whether it was solved."""
+        self.set_momentum(dt)
+        diffusion = dt * viscosity
+        preconditioner = self.for_velocity if diffusion > ROUGH * gamma0 * self.spacing**2 else None
+        solved = self.velocity.solve(diffusion, tolerance, gamma0, preconditioner)
+        self.iterations[1] += self.velocity.iterations
+        return solved
+
+    def solve_together(
+        self, dt: float, viscosity: float, gamma0: float, tolerance: float, couplings: Sequence[Coupling]
+    ) -> bool:
+        """Solve for velocities, pressure and the unknowns of the ``couplings`` at once, equations (9) to (12).
+
+        ``tolerance``: root mean square error of the velocities. Return whether the system was solved.
+        """
+        n, fluid, stokes = int(view(self.points.particles)), int(view(self.points.n_fluid)), self.stokes
+        stokes.set_step(gamma0 / dt, self.extra_stress.local_viscosities(viscosity, n))
+        velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
+        force = view(self.forcing)[:n] / dt + view(self.acceleration)
+        blocks = [coupling.unknowns(dt) for coupling in couplings]
+        others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
+        divergence = view(self.levels.divergence)[:fluid]
+        stress = self.boundary.outlet_stress()
+        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, stress)
+        self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
+        view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
+        self.iterations[0] += stokes.iterations
+        for coupling, block in zip(couplings, blocks, strict=True):
+            coupling.take(self, found[: len(block.load)])
+            found = found[len(block.load) :]
+        return solved
+
+    def error(self) -> tuple[float, float]:
+        """Return the root mean square difference of the new from the extrapolated velocities, and of lower order."""
+        self.sum_difference()
+        n_fluid = int(view(self.points.n_fluid))
+        difference, lower = (float(view(each)) / n_fluid for each in (self.difference_squared, self.lower_squared))
+        return math.sqrt(difference), math.sqrt(lower)
+
+    def begin(self, viscosity: float, tolerance: float, forced: bool, couplings: Sequence[Coupling]) -> bool:
+        """Solve L p = div f - grad u : grad u for the pressure of the first velocities; return whether it was solved.
+
+        ``forced``: whether the ``forcing`` holds a body force f. ``couplings`` find accelerations by this pressure.
+        """
+        self.set_first_divergence(forced)
+        for _ in range(MOST_ITERATIONS):
+            self.boundary.add_normal_momentum(self, 1.0, 0.0, viscosity)
+            solved = self.solve_pressure(tolerance)
+            if all([coupling.correct_start(self, tolerance) for coupling in couplings]):
+                break
+        self.levels.store_pressure(self.pressure.x)
+        return solved
+
+    def find_impulse(self, tolerance: float, diverges: bool = False) -> bool:
+        """Solve for the impulse of walls that start to move at ``velocity`` U against the fluid; return whether it is.
+
+        A pressure, phi per unit density, changes u to u - grad phi, with L phi = 0 and n . grad phi = -n . U. Where the
+        velocities u before the start have a divergence (``diverges``), as measured, L phi = div u.
+        """
+        self.set_impulse_divergence(diverges)
+        self.boundary.add_impulse_momentum(self.pressure.b, self.velocity.x)
+        return self.solve_pressure(tolerance)
+
+    @ti.kernel
+    def sum_levels(self):
+        """Sum the time levels: backward differences, and extrapolation to the end of the step."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            history, extrapolated = 0.0 * self.velocity.x[i], 0.0 * self.velocity.x[i]
+            for level in ti.static(range(VELOCITIES)):
+                velocity = self.levels.carried(level, i)
+                history += self.alpha[level] * velocity
+                extrapolated += self.beta[level] * velocity
+            self.forcing[i], self.extrapolated[i] = history, extrapolated
+            self.velocity.x[i] = extrapolated
+            pressure = 0.0
+            for level in ti.static(range(PRESSURES)):
+                pressure += self.beta_pressure[level] * self.levels.fields[i][self.levels.first_pressure + level]
+            self.pressure.x[i] = pressure
+
+    def set_divergence(self, dt: float, retained: float, gamma0: float) -> None:
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0, and add the sources."""
+        self.set_divergence_of_forcing(dt, retained, gamma0)
+        if self.sources is not None:
+            view(self.pressure.b)[: len(self.sources)] += self.sources
+
+    @ti.kernel
+    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float):
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
+            kept = self.boundary.retained(i, retained, gamma0)
+            self.pressure.b[i] = (kept * self.boundary.divergence_before(i) - divergence) / dt
+
+    @ti.func
+    def divergence_of_forcing(self, i):
+        """Return the divergence of the forcing at a particle."""
+        own, metric = self.forcing[i], self.coordinates.radius(i) ** 2
+        divergence = self.coordinates.hoop(own.y)
+        for k in range(self.points.begin[i], self.points.end[i]):
+            difference = self.forcing[self.points.neighbours[k]] - own
+            d_dy = metric * self.operators.d_dy[k]
+            divergence += self.operators.d_dx[k] * difference.x + d_dy * difference.y
+        return divergence
+
+    @ti.kernel
+    def set_first_divergence(self, forced: bool):
+        """Set the right-hand side of the pressure at the start."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            d_dx, d_dy = self.levels.d_dx[i], self.levels.d_dy[i]
+            self.pressure.b[i] = self.coordinates.gradient_product(i, self.levels.fields, d_dx, d_dy)
+            self.pressure.x[i] = 0.0
+            if forced:
+                self.pressure.b[i] -= self.divergence_of_forcing(i)
+
+    @ti.kernel
+    def set_impulse_divergence(self, diverges: bool):
+        """Set the right-hand side of the impulse at all points."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            self.pressure.x[i] = 0.0
+            self.pressure.b[i] = -self.levels.divergence[i] if diverges else 0.0
+
+    @ti.kernel
+    def set_momentum(self, dt: float):
+        """Set the right-hand side of the velocities, equation (3)."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            known = self.forcing[i]
+            d_dx, d_dy = gradients(self.operators, self.pressure.x, i)
+            gradient = ti.Vector([d_dx, d_dy])
+            if ti.static(self.has_body_force):
+                gradient -= ti.Vector([self.acceleration[None].x, self.acceleration[None].y])
+            known.x -= dt * gradient.x
+            known.y -= dt * gradient.y
+            self.velocity.b[i] = known
+
+    @ti.kernel
+    def sum_difference(self):
+        """Sum the squares of the differences from the extrapolated velocities, in a fixed order."""
+        ti.loop_config(serialize=True)
+        for _ in range(1):
+            total, lower = 0.0, 0.0
+            for i in range(self.points.n_fluid[None]):
+                square = self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
+                total += self.boundary.judged(i, square)
+                if ti.static(self.may_scatter):
+                    rest = self.velocity.x[i]
+                    for level in ti.static(range(VELOCITIES - 1)):
+                        rest -= self.beta_lower[level] * self.levels.carried(level, i)
+                    lower += self.boundary.judged(i, self.coordinates.squared(i, rest))
+            self.difference_squared[None], self.lower_squared[None] = total, lower

@@ -1,0 +1,429 @@
+"""Open ends in a step: an inlet with a given velocity, an outlet without stress, and particles that leave and enter.
+
+At the inlet velocities are given, and the pressure obeys the same equation as at walls. The outlet does nothing,
+nu du/dn = p n. Along it, where the divergence is 0, the derivative of the velocity u along the normal is minus the
+derivative of v along the outlet, of the last outer iteration,
+
+    p = nu g + S_yy,    du/dx = g,    dv/dx = 0,    g = -dv/dy,
+
+the pressure's values first, and the normal derivatives as equations of the velocities' system. S_yy, of a polymer, is
+there since with p - S_yy constant across the outlet a developed flow leaves it as it came.
+
+The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
+step: at the outlet from the particles near it, at the inlet the given velocities, and v of the fluid in front of it.
+
+Particles that flow out leave ``LEAST_DISTANCE`` in front of an end. As the fluid is incompressible and its region does
+not change, as much flows in, and each particle enters again: at the point of an end where the inflow since the last one
+has come nearest to the area of a particle, or exceeds it most, and there where most room is. It has the time levels of
+that place, a polynomial through those of the particles and points around it. So there are as many particles at all
+times. Where a particle is overdue by the whole of its area, one that is about to leave is taken: a fast one, since a
+slow one near a wall leaves a void behind it for long.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
+from tisph.numerics.stokes import WallRows
+from tisph.runtime import integer, real, ti, view
+from tisph.schemes.implicit.planar.equations import Equations
+from tisph.schemes.implicit.planar.time_levels import VELOCITIES, TimeWeights
+from tisph.schemes.implicit.planar.wall_boundary import LOAD_LEVELS, WallBoundary
+from tisph.schemes.implicit.planar.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+
+AWAY, ALONG = (
+    part.ravel() for part in np.meshgrid(LEAST_DISTANCE + np.arange(10) / 10, (np.arange(5) - 2) / 5, indexing="ij")
+)
+"""Places at which a particle may enter, from a point of an end: distances from the end and along it, in spacings."""
+
+END_SUPPORT = 1.0
+"""By how much supports are wider at an end, in particle spacings, in addition to what they are at walls: where a layer
+of particles has passed it, the next is up to 1.3 spacings away, and too few layers would be left for derivatives."""
+
+UNJUDGED = 5.0
+"""Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count; and that
+of particles from one that enters, up to which they matter to it."""
+
+KEPT = "outlet_velocity", "v_slope", "passages", "due", "squares"
+"""Arrays that a checkpoint keeps."""
+
+DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30}
+"""Degree of the polynomials from which particles that enter take their time levels, and the outlet its own, and numbers
+of points around them. With degree 4 the outlet, to which they extrapolate, would be unstable."""
+
+
+def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Return factors (n, points) of values at points in the first coefficient of n least-squares fits.
+
+    ``basis`` (n, functions, points), ``weight`` (n, points).
+    """
+    weighted = basis * weight[:, None]
+    inverse = np.linalg.pinv(weighted @ basis.transpose(0, 2, 1), rcond=1e-12, hermitian=True)
+    return (inverse[:, :1] @ weighted)[:, 0]
+
+
+@ti.data_oriented
+class OpenWallBoundary(WallBoundary):
+    """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
+
+    ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``divergence`` (fluid,): divergence
+    of the newest velocities, by the operators at the end of the present step. ``passages`` (fluid,): how often a
+    particle, by its number at the start, has left and entered. ``v_slope``: dv/dx at the inlets' points. ``squares``
+    (parts, 3): sums of the squares of divergence and gradient, and numbers of particles, of parts of the channel that
+    are as long as the inlet is wide.
+    """
+
+    def __init__(self, problem: Any, *others: Any) -> None:
+        super().__init__(problem, *others)
+        walls = self.walls
+        kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]
+        self.of_outlet = kinds[-1][1]
+        self.of_inlets = np.concatenate([part for body, part in kinds if isinstance(body, Inlet)])
+        self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
+        self.first = problem.n_fluid + self.of_outlet[0]
+        self.outlet = integer(self.first)
+        self.outflows: list[list[float]] = []
+        self.passages = np.zeros(problem.n_fluid, dtype=int)
+        self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
+        self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
+        self.due = np.zeros(sum(len(part) for _, part in self.ends))
+        self.divergence = self.points.field(real())
+
+    @property
+    def carried_fields(self) -> tuple[Any, ...]:
+        """Fields that particles carry from step to step."""
+        return (self.levels.fields, *self.extra_stress.fields)
+
+    @ti.func
+    def judged(self, i, value):
+        """Return the part of a ``value`` at a particle that counts in the error of a step: none of it near an end."""
+        result = value
+        for end in ti.static(range(2)):
+            away = ti.abs(self.points.position[i].x - self.shift.ends[end]) * self.shift.per_spacing[None]
+            result = ti.select(away > UNJUDGED, result, 0.0)
+        return result
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+        super().reset()
+        self.replaced = None
+        self.due = np.full(len(self.due), 0.5)  # the first layer has come half a spacing from where it would enter
+        self.passages[...] = 0
+        self.outflows = []
+        self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
+        self.v_slope = np.zeros(len(self.of_inlets))
+        self.squares = np.zeros((1, 3))
+
+    def set_grid(self, time: float) -> None:
+        """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
+        *closed, outlet = self.walls.bodies
+        origin = self.walls.origin
+        self.grid.set_walls(
+            lambda place: np.min([body.nearest(place + origin, time).distance for body in closed], axis=0),
+            lambda place: outlet.nearest(place + origin, time).distance,
+        )
+        self.grid_time = time
+
+    def move(self, time: float) -> None:
+        """Set the points at ``time``; the outlet's have their newest velocities."""
+        super().move(time)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+
+    def from_ends(self, positions: np.ndarray) -> np.ndarray:
+        """Return the distances (points,) along x from the nearest end, in particle spacings."""
+        away = np.min([np.abs(positions[:, 0] - end) for end in self.problem.open_ends], axis=0)
+        return away / self.problem.spacing
+
+    def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports, which are wider near ends."""
+        near = np.clip(1.0 - self.from_ends(positions) / UNJUDGED, 0.0, 1.0)
+        widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.support
+        return np.minimum(super().support_factors(positions, distances) + END_SUPPORT / self.support * near, widest)
+
+    def jump(self, time: float) -> None:
+        """Give the points on walls the velocities after a jump at ``time``."""
+        super().jump(time)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        self.newest_velocities[self.first :] = self.outlet_velocity
+
+    def impose_neumann_rows(self) -> None:
+        """Set the rows of the points; at the outlet u = sum_k w_k (u_k - du/dx x_k), w being fits with that slope.
+
+        The one-sided derivative itself has next to no part of u where no particle is near, and would not give it.
+        """
+        super().impose_neumann_rows()
+        chosen = np.arange(self.first, self.problem.particles)
+        entries, listed = self.points.rows_of(chosen)
+        table = view(self.points.neighbours)[entries]
+        place, spacing = view(self.points.position), self.problem.spacing
+        support = self.support * spacing * view(self.operators.support_factor)[chosen]
+        x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
+        weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
+        powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
+        rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
+        self.outlet_slope = support * (rows * x).sum(axis=1) / spacing**2
+        view(self.operators.laplacian)[entries[listed]] = rows[listed] / spacing**2
+        view(self.operators.diagonal)[chosen] = -1.0 / spacing**2
+
+    def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
+        entries, listed = self.points.rows_of(chosen)
+        apart = values[view(self.points.neighbours)[entries]] - values[chosen, None]
+        rows = [np.where(listed, view(part)[entries], 0.0) for part in (self.operators.d_dx, self.operators.d_dy)]
+        return np.stack([np.einsum("ik,ikn->in", row, apart) for row in rows])
+
+    def apply_impulse(self, equations: Equations, tolerance: float) -> bool:
+        """Apply the impulse of the inflow, and of walls, at the start; return whether its system was solved."""
+        view(equations.pressure.x)[...] = 0.0
+        solved = super().apply_impulse(equations, tolerance)
+        potential = view(equations.pressure.x).astype(float)[:, None]
+        change = self.slopes(np.arange(self.first, self.problem.particles), potential)[:, :, 0].T
+        self.outlet_velocity = self.fluid_velocity[self.of_outlet] - change
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        return solved
+
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
+        """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
+        elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
+        self.level_times = time - np.append(0.0, elapsed)
+        inlets = view(self.levels.fields)[self.problem.n_fluid : self.problem.particles]
+        for level, since in enumerate(elapsed):
+            along = components * level
+            inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
+        outlet, place = np.arange(self.first, self.problem.particles), self.positions[: self.problem.n_fluid]
+        self.take_levels(outlet, self.walls.at(time)[0][self.of_outlet], np.arange(len(place)), place, OUTLET_DEGREE)
+        self.exchange(dt, time)
+        return super().predict(weights, dt, time)
+
+    def add_normal_momentum(self, equations: Equations, dt: float, gamma0: float, viscosity: float) -> None:
+        """Set the right-hand sides at the points, and the pressure at the outlet, for the present velocity."""
+        super().add_normal_momentum(equations, dt, gamma0, viscosity)
+        chosen = np.arange(self.first, self.problem.particles)
+        change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
+        viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
+        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_stress()
+        rows = self.outlet_slope * (viscosities / viscosity if viscosity else 1.0)
+        right = np.zeros((len(chosen), self.levels.components))
+        right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
+        view(equations.velocity.b)[chosen] = right
+
+    def begin_step(self, weights: TimeWeights) -> None:
+        """Extrapolate the curl of the vorticity to the end of a step, and measure the divergence to be kept."""
+        super().begin_step(weights)
+        self.measure_kept_divergence()
+
+    @ti.kernel
+    def measure_kept_divergence(self):
+        """Compute the divergence that the newest velocities had, by the operators at the end of the step.
+
+        Particles have moved by s since then. With derivatives at their places at the end, the divergence at their
+        places before is the trace of grad u (1 - grad s)^-1. Operators of both places differ by truncation errors, and
+        D u^ - k gamma_0 d^n is to have none of this difference: a part of the pressure that grows as 1/dt.
+
+        """
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            own, moved = self.levels.carried(0, i), self.displacement(i)
+            u_x, u_y, s_x, s_y = 0.0 * own, 0.0 * own, 0.0 * own, 0.0 * own
+            for k in range(self.points.begin[i], self.points.end[i]):
+                j = self.points.neighbours[k]
+                velocity, displacement = self.levels.carried(0, j) - own, self.displacement(j) - moved
+                u_x += self.operators.d_dx[k] * velocity
+                u_y += self.operators.d_dy[k] * velocity
+                s_x += self.operators.d_dx[k] * displacement
+                s_y += self.operators.d_dy[k] * displacement
+            numerator = u_x.x * (1.0 - s_y.y) + u_y.x * s_x.y + u_x.y * s_y.x + u_y.y * (1.0 - s_x.x)
+            self.divergence[i] = numerator / ((1.0 - s_x.x) * (1.0 - s_y.y) - s_y.x * s_x.y)
+
+    @ti.func
+    def divergence_before(self, i):
+        """Return the divergence of the newest velocities at a particle."""
+        return self.divergence[i]
+
+    @ti.func
+    def displacement(self, i):
+        """Return the displacement in the step of a particle, or of the fluid that is at a point of an end."""
+        result = 0.0 * self.levels.carried(0, i)
+        for level in ti.static(range(VELOCITIES)):
+            result += self.levels.step_weights[level] * self.levels.carried(level, i)
+        return result
+
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of the outlet."""
+        if not self.problem.carries_stress:
+            return np.zeros(len(self.of_outlet))
+        return self.extra_stress.present_wall_stress()[2, self.of_outlet]
+
+    def rows(self) -> WallRows:
+        """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
+        return replace(super().rows(), outlet=self.outlet_slope)
+
+    def begin(self, equations: Equations) -> None:
+        """Give the points their velocities after the start, and the equations their accelerations."""
+        super().begin(equations)
+        self.store_ends()
+
+    def store(self, time: float) -> None:
+        """Store the curl of the vorticity, the loads, and the time levels at the ends, at ``time``."""
+        self.outlet_velocity = self.newest_velocities[self.first :].astype(float)
+        self.velocity[self.of_outlet] = self.outlet_velocity
+        super().store(time)
+        self.store_ends()
+        self.measure_parts()
+        if self.replaced:
+            self.passages[view(self.levels.number)[self.replaced[0]]] += 1
+        self.replaced = None
+
+    @property
+    def load_scatter(self) -> tuple[float, int] | None:
+        """Largest scatter from step to step of the forces on a body and on the inlet, and its number; None if unknown.
+
+        The force on the inlet is the pressure there, and so the pressure drop, times the width.
+        """
+        found = [super().load_scatter, self.loads.scatter([len(self.walls.bodies) - 2])]
+        return max((each for each in found if each), default=None)
+
+    def residual(self, least: float) -> float:
+        """Return the largest residual of the parts of the channel: faults at an end count, however long the channel."""
+        divergence, gradient, count = self.squares.T
+        ratios = divergence / np.maximum(gradient, least**2 * np.maximum(count, 1))
+        return max(super().residual(least), math.sqrt(ratios.max(initial=0.0)))
+
+    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name."""
+        inlet = self.walls.bodies[-2]
+        level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
+        outflow, backflow = level_weights @ np.array(self.outflows)
+        rates = np.array([float(inlet.course.velocity(time)) * inlet.shape.length, -outflow])
+        return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages.copy()}
+
+    def measure_outflow(self) -> None:
+        """Store the flow rate out of the outlet, the integral of a cubic spline, and the largest backflow."""
+        from scipy.interpolate import CubicSpline
+
+        outlet = self.walls.bodies[-1]
+        speed = -(self.outlet_velocity[:, :2] @ outlet.shape.normal)
+        along = np.cumsum(self.walls.length[self.of_outlet]) - 0.5 * self.walls.length[self.of_outlet]
+        width = outlet.shape.length
+        curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
+        levels = [float(curve.integrate(0.0, width)), float(-speed.min())]
+        self.outflows = [levels, *self.outflows][:LOAD_LEVELS]
+
+    def measure_parts(self) -> None:
+        """Sum the squares of divergence and gradient in the parts of the channel."""
+        levels, fluid = self.levels, slice(self.problem.n_fluid)
+        part = (np.abs(self.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length).astype(int)
+        gradient = sum((view(slope)[fluid, :2].astype(float) ** 2).sum(axis=1) for slope in (levels.d_dx, levels.d_dy))
+        squares = view(levels.divergence)[fluid].astype(float) ** 2, gradient, None
+        self.squares = np.stack([np.bincount(part, each) for each in squares], axis=1)
+
+    def store_ends(self) -> None:
+        """Store the outflow, and dv/dx at the inlets."""
+        self.measure_outflow()
+        values = view(self.levels.fields)[:, 1:2].astype(float)
+        self.v_slope = self.slopes(self.problem.n_fluid + self.of_inlets, values)[0, :, 0]
+
+    # Particles that leave and enter -----------------------------------------------------------------------------------
+
+    def exchange(self, dt: float, time: float) -> None:
+        """Let each particle that has left by the end of a step ``dt``, at ``time``, enter."""
+        spacing, fluid = self.problem.spacing, self.problem.n_fluid
+        place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
+        place[self.slots], normal, _ = self.walls.at(time)
+        left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out
+        near = np.flatnonzero(self.from_ends(place[:fluid]) < UNJUDGED)
+        for body, _ in self.ends:
+            distance = body.nearest(place[near] + self.walls.origin).distance / spacing
+            speed = -velocity[near] @ body.shape.normal
+            out = speed > 0.0
+            leaving, distance = near[out], distance[out]
+            left[leaving] = np.minimum(left[leaving], distance)
+            soon[leaving] = np.minimum(soon[leaving], (distance - LEAST_DISTANCE) / speed[out])
+        points = fluid + np.concatenate([part for _, part in self.ends])
+        normal = normal[points - fluid]
+        inflow = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
+        due = self.due + dt * inflow * self.walls.length[points - fluid] / spacing**2
+        wanted = max(np.count_nonzero(left < LEAST_DISTANCE), np.count_nonzero(due >= 1.0))
+        slots = np.argsort(soon)[:wanted]  # those that are about to leave go where others are overdue
+        slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
+        staying = np.ones(fluid, dtype=bool)
+        staying[slots] = False
+        chosen = np.zeros(len(slots), dtype=int)
+        for k in range(len(slots)):
+            chosen[k] = np.argmax(due)
+            due[chosen[k]] -= 1.0
+        places = self.roomiest(place[points[chosen]], normal[chosen], place[near[staying[near]]], time)
+        sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
+        self.replaced = slots, [view(field)[slots] for field in self.carried_fields], self.due
+        self.due = due
+        if len(slots):
+            self.take_levels(slots, places, sources, place[sources], DEGREE)
+            view(self.points.position)[slots] = places
+
+    def roomiest(self, ends: np.ndarray, normals: np.ndarray, others: np.ndarray, time: float) -> np.ndarray:
+        """Return places (n, 2) in front of points on ``ends`` (n, 2) that are farthest from walls and ``others``.
+
+        ``normals`` (n, 2): into the fluid.
+        """
+        spacing, across = self.problem.spacing, np.stack([-normals[:, 1], normals[:, 0]], axis=1)
+        around = ends[:, None] + spacing * (AWAY[:, None] * normals[:, None] + ALONG[:, None] * across[:, None])
+        flat = around.reshape(-1, 2) + self.walls.origin
+        free = np.min([body.nearest(flat, time).distance for body in self.solid], axis=0).reshape(around.shape[:2])
+        for k, (candidates, from_walls) in enumerate(zip(around, free, strict=True)):
+            close = others[np.abs(others - ends[k]).max(axis=1) < UNJUDGED * spacing]
+            room = np.linalg.norm(candidates[:, None] - close, axis=2).min(axis=1, initial=UNJUDGED * spacing)
+            place = candidates[np.argmax(np.minimum(room, 2.0 * from_walls))]
+            others = np.append(others, [place], axis=0)
+        return others[len(others) - len(ends) :]
+
+    def take_levels(
+        self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray, degree: int
+    ) -> None:
+        """Give the points in ``slots`` the time levels that the fluid has at ``places`` (n, 2).
+
+        ``sources``: slots of the points from which they come, which are at ``of_sources`` (m, 2). ``degree``: of the
+        polynomials through them.
+        """
+        from scipy.spatial import cKDTree
+
+        near = self.from_ends(of_sources) < 2.0 * UNJUDGED
+        sources, tree = sources[near], cKDTree(of_sources[near])
+        distance, nearest = tree.query(places, AROUND[degree])
+        radius = distance[:, -1:]
+        x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
+        basis = np.stack([x**a * y**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
+        weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
+        for field in self.carried_fields:
+            values = view(field)[sources[nearest]].astype(float)
+            view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
+
+    def entered(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step; particles that enter later are at the ends."""
+        position = position.copy()
+        low, high = sorted(self.problem.open_ends)
+        position[:, 0] = np.clip(position[:, 0], low, high)
+        return position
+
+    def undo(self) -> None:
+        """Take back the exchange of an attempt that was rejected."""
+        if self.replaced:
+            slots, values, self.due = self.replaced
+            for field, before in zip(self.carried_fields, values, strict=True):
+                view(field)[slots] = before
+        self.replaced = None
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        arrays = {name: getattr(self, name).tolist() for name in KEPT}
+        return {**super().host_state(), **arrays, "outflows": self.outflows}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
+        super().restore_host_state(state)
+        for name in KEPT:
+            setattr(self, name, np.array(state[name]))
+        self.outflows = state["outflows"]

@@ -1,0 +1,273 @@
+"""The parts of a step of two-dimensional flow, each as the class that stands for "none" and has nothing to do.
+
+``TimeLevels`` (``time_levels.py``) holds the states of the particles, with their coordinates. The other parts are an
+``ExtraStress``, which itself is no stress, a ``Boundary``, which itself is no wall, and any number of ``Coupling``s.
+Each part owns its fields: other parts read them, and give it theirs as arguments. Velocities are the unknowns of the
+coordinates; pressures and stresses are per unit density.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tisph.runtime import ti
+from tisph.schemes.implicit.planar.corner_singularities import Corners
+from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
+
+MOST_ITERATIONS = 20
+"""Outer iterations of a step with couplings."""
+
+if TYPE_CHECKING:
+    from tisph.numerics.stokes import Unknowns, WallRows
+    from tisph.schemes.implicit.planar.equations import Equations
+    from tisph.snapshot import Bodies
+
+
+@ti.data_oriented
+class ExtraStress:
+    """The stress of a fluid in addition to the stress of its constant (solvent) viscosity; here none (Newtonian fluid).
+
+    ``nonlinear``: whether it depends on the velocity at the end of the step, which needs a second outer iteration.
+    ``operators``: least-squares operators of the viscous term. ``viscosity``: kinematic viscosity of the implicit part
+    of the stress in the present step. ``resolution_name``: name in ``Snapshot`` of the number that ``store`` returns.
+    ``fields``: fields (fluid,) that particles carry from step to step. ``parts``: objects that a checkpoint keeps.
+    """
+
+    nonlinear, viscosity, resolution_name = False, 0.0, "added_power"
+    operators: Any
+
+    def __init__(self, levels: TimeLevels) -> None:
+        self.operators = levels.operators
+        self.fields: tuple[Any, ...] = ()
+        self.parts: Mapping[str, Any] = {}
+
+    @ti.func
+    def local_viscosity(self, i, viscosity):
+        """Return the viscosity at a point: the constant ``viscosity`` of the step."""
+        return viscosity
+
+    @ti.func
+    def with_viscous_divergence(self, i, divergence):
+        """Return a ``divergence`` plus the divergence of the viscous term, 0 for a constant viscosity."""
+        return divergence
+
+    def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
+        """Return the viscosities (points,) of the implicit part of the stress: the ``viscosity`` of the step."""
+        return np.full(points, viscosity)
+
+    def begin(self) -> None:
+        """Compute the stress of the first velocities."""
+
+    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
+        """Begin a step ``dt`` that ends at ``time``."""
+
+    def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
+        """Add dt times the divergence of the stress of a ``velocity`` to the ``forcing``, two fields (points,).
+
+        The stress is without its implicit part; it replaces the stress of the previous outer iteration.
+        """
+
+    def store(self, velocity: Any, step: int) -> Any:
+        """Store the stress of the ``velocity`` at the end of a ``step``; return a number that judges its resolution.
+
+        Raises ``DivergedError`` where it is not resolved at all.
+        """
+
+    def remap(self) -> None:
+        """Transfer the stress with a shift of the particles."""
+
+    def wall_stress(self) -> Any:
+        """Return the newest stress (xx, xy, yy, ...; count) at the points on walls."""
+        return 0.0
+
+    def present_wall_stress(self) -> Any:
+        """Return the same for the newest iterate of a step."""
+        return 0.0
+
+    def implicit_wall_stress(self, strain: np.ndarray) -> Any:
+        """Return the stress (xx, xy, yy, ...; count) at the points on walls in a step with 2 D = ``strain``."""
+        return 0.0
+
+    def at(self, weights: TimeWeights, offset: float, levels: Sequence[np.ndarray], radius: np.ndarray) -> Any:
+        """Return the polymer stresses (components, n) at a time ``offset`` before the end of the last step.
+
+        ``levels``: values of ``fields``, each (n, ...); ``radius`` (n,).
+        """
+        return ()
+
+
+@ti.data_oriented
+class Boundary:
+    """The walls of the fluid, whose points are ``slots`` of all points; here none (periodic box).
+
+    ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
+    ``outlet``: field with the first slot of the points of an open end whose pressure is known, None without one.
+    """
+
+    bounded = False
+    outlet: Any = None
+    slots: slice
+    velocity: np.ndarray
+
+    def __init__(self, problem: Any, levels: TimeLevels) -> None:
+        self.problem, self.levels = problem, levels
+        self.slots = slice(problem.n_fluid, problem.particles)
+        self.velocity = np.zeros((0, levels.components))
+        self.corners = Corners()
+
+    @ti.func
+    def retained(self, i, retained, gamma0):
+        """Return the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
+        return retained
+
+    @ti.func
+    def divergence_before(self, i):
+        """Return the divergence of the newest velocities at a particle."""
+        return self.levels.divergence[i]
+
+    @ti.func
+    def judged(self, i, value):
+        """Return the part of a ``value`` at a particle that counts in the error of a step: all of it."""
+        return value
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+
+    def undo(self) -> None:
+        """Take back what an attempt that was rejected has changed."""
+
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
+        """Predict particles and bodies at the end of a step ``dt``, at ``time``; return False where bodies overlap."""
+        return True
+
+    def move(self, time: float) -> None:
+        """Set the points on walls at ``time``, and all that depends on the distances of particles from walls."""
+
+    def impose_neumann_rows(self) -> None:
+        """Replace the Laplacian at the points on walls by the normal derivative."""
+
+    def entered(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""
+        return position
+
+    def begin_step(self, weights: TimeWeights) -> None:
+        """Extrapolate the curl of the vorticity at walls to the end of a step."""
+
+    def solver_velocity(self) -> np.ndarray:
+        """Return the velocities (count, components) that the solver has at the points on walls."""
+        return self.velocity
+
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+        return np.zeros(0)
+
+    def rows(self) -> "WallRows":
+        """Return the equations of velocity and pressure at the points, of a ``StokesSolver``."""
+        raise NotImplementedError
+
+    def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
+        """Set the right-hand side of the pressure at walls, equation (8), for the present forcing and velocity."""
+
+    def add_impulse_momentum(self, right: Any, velocity: Any) -> None:
+        """Set the ``right``-hand side of the impulse at walls that start to move at ``velocity``, two fields."""
+
+    def update_normal_curls(self, velocity: Any) -> None:
+        """Compute the curl of the vorticity at walls from a ``velocity`` field (points,)."""
+
+    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
+        """Apply the impulse that removes the divergence of given initial velocities; return whether it was solved."""
+        if not self.problem.has_own_start:
+            return True
+        self.levels.measure()
+        solved = equations.find_impulse(tolerance, diverges=True)
+        self.levels.subtract_gradient(equations.pressure.x)
+        return solved
+
+    def begin(self, equations: "Equations") -> None:
+        """Give the points on walls their velocities after the start, and the equations their accelerations."""
+
+    def begin_without_inertia(self, time: float) -> None:
+        """Begin at ``time``, with a flow that no earlier one alters."""
+
+    def forget(self) -> None:
+        """Forget earlier times, at which the motion was another one."""
+
+    def jump(self, time: float) -> None:
+        """Give the points on walls the velocities after a jump at ``time``."""
+
+    def accelerate(self, acceleration: float) -> None:
+        """Change the body force along x, which acts on free bodies as well."""
+
+    def store(self, time: float) -> None:
+        """Store the curl of the vorticity and the loads of the newest fields, at ``time``."""
+
+    def measure_loads(self, time: float) -> None:
+        """Store the loads of the newest fields, at ``time``."""
+
+    def bodies(self, time: float, weights: TimeWeights, offset: float) -> "Bodies | None":
+        """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
+        return None
+
+    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return the numbers of a ``Snapshot`` about open ends, by name."""
+        return {}
+
+    @property
+    def load_scatter(self) -> tuple[float, int] | None:
+        """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
+        return None
+
+    def residual(self, least: float) -> float:
+        """Return the divergence over the gradient of the velocities, or the ``least`` one, as root mean squares."""
+        return self.levels.residual(least)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return the numbers of the boundary for ``summary.json``."""
+        return {}
+
+    def host_state(self) -> Any:
+        """Return the numbers outside the fields that a resumed run needs."""
+        return None
+
+    def restore_host_state(self, state: Any) -> None:
+        """Restore the numbers of ``host_state``."""
+
+
+class Coupling:
+    """Unknowns that are found together with velocity and pressure in the outer iterations of a step; here none.
+
+    ``rounding``: residual of the pressure below which there is only rounding. ``sets_curls``: whether ``correct`` sets
+    the curl of the vorticity at walls.
+    """
+
+    rounding, sets_curls = 0.0, False
+
+    def start(self, equations: "Equations", tolerance: float) -> bool:
+        """Apply the impulse at the start; return whether its system was solved."""
+        return True
+
+    def correct_start(self, equations: "Equations", tolerance: float) -> bool:
+        """Correct the first accelerations by the first pressure; return whether they had converged."""
+        return True
+
+    def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
+        """Begin a step ``dt`` that ends at ``time``, whose velocities may have an error ``allowed``."""
+
+    def unknowns(self, dt: float) -> "Unknowns":
+        """Return the unknowns of a step ``dt`` in a system that is solved for all of them together."""
+        raise NotImplementedError
+
+    def take(self, equations: "Equations", found: np.ndarray) -> None:
+        """Take the unknowns (m,) that were ``found`` by it."""
+
+    def correct(self, equations: "Equations") -> bool:
+        """Correct the unknowns by the flow of the last outer iteration; return whether they had converged."""
+        return True
+
+    def error(self) -> tuple[float, float]:
+        """Return differences from extrapolated unknowns, also by a level less [velocity]; infinite if not converged."""
+        return 0.0, 0.0
+
+    def store(self, time: float) -> None:
+        """Store the unknowns at the ``time`` at the end of a step."""

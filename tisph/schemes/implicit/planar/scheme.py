@@ -1,0 +1,495 @@
+"""The implicit scheme of two-dimensional flow: its start, its step, and the state within the last step.
+
+The method is the velocity correction of G. E. Karniadakis, M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991)
+414-443, along the paths of the particles, where there is no convective term. ``SplittingScheme.attempt`` is the step.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tisph.errors import DivergedError
+from tisph.numerics import SKIN
+from tisph.numerics.auxiliary_grid import PeriodicGrid, WalledGrid
+from tisph.numerics.domain import PeriodicDomain
+from tisph.numerics.least_squares import AxisymmetricOperators, LeastSquaresOperators
+from tisph.numerics.point_cloud import PointCloud, active
+from tisph.numerics.shifting import TRAVEL, FickianShifting
+from tisph.runtime import integer, real, ti, view
+from tisph.schemes._controlled_scheme import ControlledScheme
+from tisph.schemes.implicit.planar import step_limits as limits
+from tisph.schemes.implicit.planar.equations import Equations
+from tisph.schemes.implicit.planar.flow_rate import LEAST_REYNOLDS, FlowRateControl
+from tisph.schemes.implicit.planar.free_bodies import FreeBodyCoupling, FreeWallBoundary
+from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes.implicit.planar.mean_velocity import MeanVelocityControl
+from tisph.schemes.implicit.planar.open_ends import OpenWallBoundary
+from tisph.schemes.implicit.planar.parts import (
+    MOST_ITERATIONS,
+    Boundary,
+    Coupling,
+    ExtraStress,
+)
+from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
+from tisph.schemes.implicit.planar.viscoelastic_stress import ViscoelasticStress
+from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
+from tisph.schemes.implicit.planar.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
+from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
+
+SUPPORT = 2.9
+"""Support radius of the operators in particle spacings. Below it a lattice that the flow stretches makes them singular
+before it has broken up; above it the pressure has larger errors."""
+
+SMALLEST_PIVOT = 1e-3
+"""Smallest pivot of the operators: operators of order 2 instead are worse than any of order 4 that can be solved
+for."""
+
+SMALLEST_PIVOT_AT_AXIS = 3e-3
+"""Smallest pivot where the fluid reaches an axis: operators of even functions take over. Points on a sphere had 1.8e-3
+and 2.6e-3 when their pressure equations became singular, and runs with a polymer diverged; others have 3.1e-3 or
+more."""
+
+TOO_LONG = "u, v: no error of a step is small enough, however short it is,"
+"""Message of a run that stops."""
+
+FIRST_OUTER = 1e-3, 1e-6
+"""Residuals of the first of two outer iterations, from which only the curl at walls is used: with 1e-4 and 1e-8 errors
+between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
+
+COURANT = 0.3
+"""Longest step over the time in which the fastest particle goes one spacing."""
+
+TINY = 1e-30
+"""Least difference of velocities, over the velocity of reference, that has a logarithm."""
+
+INSTANT = 1e-6
+"""Length of a step that finds the flow of one time, over the longest step."""
+
+REORDER_INTERVAL = 100
+"""Steps after which particles that have become neighbours are brought near one another in memory, too. Once a flow has
+mixed 1e5 of them a step takes 1.7 times as long without."""
+
+
+class SplittingScheme(ControlledScheme):
+    """Particles in a box, with walls or without, advanced step by step.
+
+    ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
+    ``serial`` compiles loops without threads. ``tolerance``: error of a step over the velocity, None for steps of the
+    Courant number alone. The parts of a step are ``levels``, ``boundary``, ``extra_stress`` and ``couplings``
+    (``parts.py``); ``equations`` has the linear systems.
+    """
+
+    kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
+
+    def __init__(
+        self,
+        problem: Any,
+        targets: Sequence[float],
+        serial: bool,
+        tolerance: float | None = limits.TOLERANCE,
+        courant: float = COURANT,
+    ) -> None:
+        self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
+        self.points = points_of(problem, serial)
+        self.operators = operators_of(problem, self.points)
+        self.slow = limits.is_slow(problem, courant)
+        self.grid: WalledGrid | PeriodicGrid
+        if walls:
+            self.grid = WalledGrid(self.points, problem, velocities=self.slow)
+            self.points.n_fluid = integer(problem.n_fluid)
+        else:
+            self.grid = PeriodicGrid(self.points, problem, problem.height)
+        near_walls: tuple[Any, ...] = (MAX_WALLS, bool(problem.contact), walls.across_axis) if walls else ()
+        self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)  # type: ignore[misc]
+        self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
+        self.extra_stress = extra_stress_of(problem, self.levels)
+        self.boundary = boundary_of(problem, self.levels, self.shift, self.grid, self.extra_stress)
+        precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
+        rounding = limits.ROUNDING * precision
+        self.mean_velocity: MeanVelocityControl | None = None
+        self.couplings: list[Coupling] = []
+        if isinstance(self.boundary, FreeWallBoundary):
+            self.couplings.append(FreeBodyCoupling(self.boundary, rounding))
+        if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
+            self.mean_velocity = MeanVelocityControl(problem, self.boundary)
+            self.couplings.append(self.mean_velocity)
+        self.flow_rate: FlowRateControl | None = None
+        swift = problem.reference_velocity * problem.spacing >= LEAST_REYNOLDS * problem.kinematic_viscosity
+        if isinstance(self.boundary, OpenWallBoundary) and swift and not self.slow:
+            self.flow_rate = FlowRateControl(problem, self.boundary)
+            self.couplings.append(self.flow_rate)
+        self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
+        self.control = limits.step_control(problem, targets, tolerance, courant)
+        self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
+        self.residuals = limits.residuals(self.tolerance, rounding)
+        self.residual_together = max(limits.TOGETHER * self.tolerance, rounding)
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+        self.reset_steps(self.problem.start_time)
+        self.dts: list[float] = []
+        self.iterations = [0.0, 0.0]
+        self.output_cache: Any = None
+        self.stress_resolution: Any = None
+        self.boundary.reset()
+
+    def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
+        """Place the particles, at (particles, 2), and find the pressure of their velocities (particles, components).
+
+        Polymers start without ``stress``.
+        """
+        self.initial_momentum = float(velocity[:, 0].sum())
+        fluid, levels, residual = self.problem.n_fluid, self.levels, self.residuals[0]
+        active(levels.position)[:fluid] = position - np.array(self.problem.origin)
+        active(levels.fields)[...] = 0.0
+        unknowns = self.problem.unknowns(velocity, position[:, 1])
+        active(levels.fields)[:fluid, : levels.components] = unknowns
+        active(levels.number)[:fluid] = np.arange(len(position))
+        view(levels.step_weights)[...] = 0.0
+        levels.move_points()
+        if not self.problem.inertia:
+            self.start_without_inertia()
+            return
+        self.assemble(self.time)
+        solved = self.boundary.apply_impulse(self.equations, residual)
+        solved = all([solved, *(coupling.start(self.equations, residual) for coupling in self.couplings)])
+        self.boundary.begin(self.equations)
+        self.require_solution(solved)
+        if self.problem.has_own_start:
+            change = np.abs(active(levels.fields)[:fluid, : levels.components] - unknowns).max()
+            self.removed_divergence = float(change / (np.abs(unknowns).max() or 1.0))
+        levels.measure()
+        self.extra_stress.begin()
+        forced = self.problem.body_force is not None
+        if forced:
+            view(self.equations.forcing)[:fluid] = self.body_force(self.time)[:fluid]
+        viscosity = self.problem.solvent_viscosity
+        self.require_solution(self.equations.begin(viscosity, residual, forced, self.couplings))
+        self.boundary.measure_loads(self.time)
+        self.boundary.corners.find_fastest()
+        self.begin_steps()
+
+    @property
+    def speed(self) -> float:
+        """Velocity that the Courant number of a step refers to."""
+        return limits.courant_speed(float(view(self.levels.fastest)), self.problem)
+
+    @property
+    def error_speed(self) -> float:
+        """Velocity that the errors of steps are divided by."""
+        return limits.error_speed(float(view(self.levels.largest)), self.problem)
+
+    @property
+    def residual(self) -> float:
+        """Divergence of the velocities over their gradient, where that is not too small to tell."""
+        return self.boundary.residual(limits.LEAST_GRADIENT * self.error_speed / self.problem.spacing)
+
+    def begin_steps(self) -> None:
+        """Choose the first step, or the first one after a change."""
+        self.control.dt_next = limits.first_step(self.control.limit(self.speed), self.problem)
+
+    def advance(self) -> None:
+        """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
+        if self.time in self.problem.jump_times:
+            self.dts = []  # no polynomial in time continues past a jump
+            self.boundary.jump(self.time)
+            self.begin_steps()
+            if not self.problem.inertia:
+                self.settle()
+        unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
+        dt, error = self.control.take(self.time, self.attempt, unresolved)
+        if dt is None and math.isinf(error):
+            raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")
+        if dt is None:
+            raise self.diverged(TOO_LONG)
+        if self.equations.may_scatter:
+            self.control.notice_scatter(error, self.roughness)
+        self.accept_step(dt)
+
+    def settle(self) -> None:
+        """Without inertia: find the flow of the present time by a step in which next to nothing moves."""
+        dt = INSTANT * self.control.limit(self.speed)
+        error, _ = self.attempt(dt)
+        if math.isinf(error):
+            raise self.diverged("no velocities are found for the walls")
+        self.accept_step(dt)
+        self.dts = []
+        self.boundary.forget()
+        self.begin_steps()
+
+    def start_without_inertia(self) -> None:
+        """Find the first flow, which has no past, by a step that ends at the start."""
+        start = self.time
+        self.time -= INSTANT * self.control.limit(self.speed)
+        self.extra_stress.begin()
+        self.boundary.begin_without_inertia(self.time)
+        self.settle()
+        self.reset_steps(start)
+        self.iterations = [0.0, 0.0]
+
+    def attempt(self, dt: float) -> tuple[float, int]:
+        """Compute velocity and pressure at the end of a step; return the error, over the velocity, and its order.
+
+        With the weights gamma_0 and alpha_q of backward differences over variable steps (equations of
+        docs/theory/two-dimensional.md):
+
+        1. particles move along the polynomial through their velocities, and walls and bodies to the end of the step;
+        2. the operators are assembled there;
+        3. u^ = sum_q alpha_q u^(n+1-q), and velocity and pressure are extrapolated (1);
+        4. outer iterations: the forcing f is u^ and dt times the divergence of the extra stress, the centripetal term
+           and body forces;
+
+               L p = (D f - k gamma_0 d^n) / dt   (2, 4),   with n . grad p at walls by the momentum there (8),
+               (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g)   (3);
+
+           a second one uses the stress, and the curl of the vorticity at walls, of the velocities that the first has
+           found; with couplings (free bodies, a kept mean velocity) they go on until these have converged. In slow
+           flow each solves (9) to (12) instead, for the couplings' unknowns as well (``numerics/stokes.py``);
+        5. the difference from the extrapolated velocities gives the error (5).
+        """
+        if self.time + 0.1 * dt == self.time:
+            raise self.diverged(TOO_LONG)
+        levels, boundary, extra_stress, equations = self.levels, self.boundary, self.extra_stress, self.equations
+        end, weights = self.time + dt, TimeWeights([dt, *self.dts], dt)
+        gamma0, alpha = weights.bdf()
+        inertia = gamma0 if self.problem.inertia else 0.0
+
+        boundary.undo()
+        levels.predict(weights)
+        if not boundary.predict(weights, dt, end):
+            return math.inf, 1
+        self.assemble(end)
+
+        for coupling in self.couplings:
+            coupling.prepare(equations, dt, gamma0, end, self.tolerance * self.error_speed)
+        extra_stress.prepare(weights, dt, end)
+        viscosity = self.problem.solvent_viscosity + extra_stress.viscosity
+        equations.begin_step(weights, alpha if inertia else 0.0 * alpha)
+        self.add_body_force(dt, end)
+        equations.set_wall_velocity(boundary.solver_velocity())
+        boundary.begin_step(weights)
+        boundary.corners.add_force(equations.forcing, weights, dt)
+
+        decay = limits.decay_rate(viscosity, self.speed, self.problem)
+        retained = max(0.0, gamma0 - decay * dt)
+        forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
+        least = 2 if (boundary.bounded and not self.slow) or extra_stress.nonlinear else 1
+        curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
+        rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
+        solved = True
+        for outer in range(MOST_ITERATIONS):
+            extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
+            if inertia:
+                levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
+            if outer == 0 or forcing_varies or equations.sources is not None:
+                equations.set_divergence(dt, retained, gamma0)
+            if outer > 0 and curls_vary:
+                boundary.update_normal_curls(equations.velocity.x)
+            if self.slow:
+                allowed = self.residual_together * self.error_speed
+                solved = equations.solve_together(dt, viscosity, inertia, allowed, self.couplings) and solved
+            else:
+                boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
+                exact = self.couplings or outer >= least - 1
+                residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
+                solved = equations.solve_pressure(residuals[0], rounding) and solved
+                solved = equations.solve_velocity(dt, viscosity, gamma0, residuals[1]) and solved
+            settled = all([coupling.correct(equations) for coupling in self.couplings])
+            if not inertia and extra_stress.nonlinear and not self.problem.carries_stress:
+                # errors that are left would grow: extrapolation multiplies them by up to 15
+                settled = settled and equations.change <= 0.1 * self.tolerance * self.error_speed
+            if settled and outer >= least - 1:
+                break
+
+        difference, lower = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
+        tiny, known = TINY * self.problem.reference_velocity, len(self.dts) >= VELOCITIES - 1
+        self.roughness = math.log(max(difference, tiny) / max(lower, tiny)) if known else -1.0
+        self.require_solution(solved and not math.isnan(difference))
+        error, order = weights.step_error(difference, gamma0, self.error_speed)
+        return error / self.error_speed, order
+
+    def add_body_force(self, dt: float, time: float) -> None:
+        """Add the body forces to the forcing of a step, and a uniform one to the guess of the very first step."""
+        if not self.dts:  # a flow that is carried along as a whole is exact from the first guess on
+            fluid = slice(self.problem.n_fluid)
+            view(self.equations.velocity.x)[fluid, :2] += dt * np.array(self.problem.acceleration)
+        if self.problem.body_force:
+            force = self.body_force(time)
+            view(self.equations.forcing)[: len(force)] += dt * force
+
+    def body_force(self, time: float) -> np.ndarray:
+        """Return the given body force (points, components) at ``time`` at the points, as unknowns."""
+        x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
+        return self.problem.unknowns_given(self.problem.body_force, x, y, time)
+
+    def assemble(self, time: float) -> None:
+        """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""
+        self.boundary.move(time)
+        self.points.find_neighbours()
+        self.require_room("neighbours of a particle", self.points.overflow())
+        self.operators.assemble()
+        self.grid.sort()
+        self.boundary.impose_neumann_rows()
+        if self.slow:
+            self.equations.stokes.assemble(self.boundary.rows())
+
+    def require_solution(self, solved: bool) -> None:
+        """Raise DivergedError where the linear systems have none."""
+        if not solved:
+            raise self.diverged("u, v, pressure: the linear systems cannot be solved")
+
+    def accept_step(self, dt: float) -> None:
+        """Store the new velocities, measure them, and shift the particles."""
+        levels, end = self.levels, self.control.end(self.time, dt)
+        levels.store(self.equations.velocity.x, self.equations.pressure.x)
+        levels.measure()
+        self.stress_resolution = self.extra_stress.store(self.equations.velocity.x, self.steps + 1)
+        self.boundary.store(self.time + dt)
+        for coupling in self.couplings:
+            coupling.store(end)
+        travelled = dt * self.speed / self.problem.spacing
+        self.shift.shift(self.steps == 0 and not self.boundary.bounded, min(1.0, travelled / TRAVEL))
+        levels.remap()
+        self.extra_stress.remap()
+        self.boundary.corners.find_fastest()
+        if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
+            text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
+            cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
+            raise DivergedError(f"u, v: above {text}{cure}")
+        if (self.steps + 1) % REORDER_INTERVAL == 0:
+            levels.reorder(self.extra_stress.fields)
+        self.dts = [dt, *self.dts][: VELOCITIES - 1]
+        self.end_step(dt, self.speed)
+        self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]
+
+    def snapshot(self, time: float | None = None) -> Snapshot:
+        """Return the state at ``time``, within the last step, or now.
+
+        It lies on the polynomial through the time levels, in the order of creation. ``output_cache`` holds the levels
+        that it needs, since many outputs may fall into one step: the newest ones at its end, which cost less.
+        """
+        problem, boundary, levels = self.problem, self.boundary, self.levels
+        time = self.time if time is None else time
+        offset, first, components = self.time - time, levels.first_pressure, levels.components
+        case = self.time, offset == 0.0
+        if self.output_cache is None or self.output_cache[0] != case:
+            fluid, fields = problem.n_fluid, active(levels.fields)
+            created = np.argsort(active(levels.number)[:fluid])
+            parts = (fields[:, :first], fields[:, first:]) if offset else (fields[:, :components], fields[:, first])
+            stored = [*parts, *(active(field) for field in (levels.position, *self.extra_stress.fields))]
+            values = [field[:fluid][created].astype(float, copy=False) for field in stored]
+            self.output_cache = case, created, *values
+        _, created, velocity, pressure, position, *stress_levels = self.output_cache
+        dts = self.dts or [1.0]
+        weights, axis = TimeWeights([0.0, *dts], dts[0]), position[:, 1] + problem.origin[1]
+        if not offset:
+            velocity = problem.velocities(velocity, axis)
+        else:
+            each = velocity.reshape(len(velocity), VELOCITIES, components)
+            velocities = np.stack([problem.velocities(each[:, level], axis) for level in range(VELOCITIES)], axis=1)
+            velocity = np.einsum("a,iac->ic", weights.interpolation(offset, VELOCITIES), velocities)
+            position = position - np.einsum("a,iac->ic", weights.integral(offset), velocities[..., :2])
+            pressure = pressure @ weights.interpolation(offset, PRESSURES)
+            position = boundary.entered(position)
+            if problem.axisymmetric:  # around the axis the circulation is interpolated
+                velocity[:, 2] *= axis / (position[:, 1] + problem.origin[1])
+        position, velocity, pressure = boundary.corners.whole_flow(
+            weights, offset, position, velocity, pressure, created
+        )
+        stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
+        return Snapshot(
+            t=time,
+            step=self.steps,
+            **dict(zip("xy", problem.places(position), strict=True)),
+            u=velocity[:, 0].copy(),
+            v=velocity[:, 1].copy(),
+            w=velocity[:, 2].copy() if problem.axisymmetric else None,
+            density=np.full(len(position), problem.density),
+            pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
+            bodies=boundary.bodies(time, weights, offset),
+            **boundary.through_ends(time, weights, offset),
+            load_scatter=boundary.load_scatter,
+            velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
+            divergence=self.residual,
+            acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
+            **{self.extra_stress.resolution_name: self.stress_resolution},
+            **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
+        )
+
+    def momentum_balance(self) -> dict[str, float]:
+        """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
+        if self.boundary.bounded:  # forces of walls are in the samples
+            return {}
+        gained = float(active(self.levels.fields)[:, 0].sum(dtype=float)) - self.initial_momentum
+        return {"change": self.problem.density * self.problem.spacing**2 * gained}
+
+    def numbers(self) -> dict[str, Any]:
+        """Return the numbers of this scheme for ``summary.json``."""
+        return {
+            **super().numbers(),
+            "particles_wall": 0,
+            "divergence": self.residual,
+            "iterations_pressure": self.iterations[0] / max(self.steps, 1),
+            "iterations_velocity": self.iterations[1] / max(self.steps, 1),
+            **self.boundary.numbers(),
+        }
+
+    def parts(self) -> dict[str, Any]:
+        """Return everything whose fields a resumed run needs, by name."""
+        return {"levels": self.levels, **self.extra_stress.parts}
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        mean = self.mean_velocity.state() if self.mean_velocity else None
+        response = self.flow_rate.response if self.flow_rate else None
+        state = {"walls": self.boundary.host_state(), "mean_velocity": mean, "flow_rate_response": response}
+        return {**super().host_state(), **state}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
+        super().restore_host_state(state)
+        self.boundary.restore_host_state(state["walls"])
+        if self.mean_velocity:
+            self.mean_velocity.restore(state["mean_velocity"])
+        if self.flow_rate:
+            self.flow_rate.response = state["flow_rate_response"]
+
+
+def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
+    """Return the extra stress of a fluid."""
+    if problem.rheology is None:
+        return ExtraStress(levels)
+    if problem.carries_stress:
+        return ViscoelasticStress(levels, problem)
+    return GeneralisedNewtonianStress(levels, problem)
+
+
+def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
+    """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
+    if problem.walls is None:
+        return Boundary(problem, levels)
+    kind = OpenWallBoundary if problem.open_ends else FreeWallBoundary if problem.contact else WallBoundary
+    return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
+
+
+def points_of(problem: Any, serial: bool) -> PointCloud:
+    """Return the ``PointCloud``, whose points near walls have wider supports; ``serial``: without threads."""
+    cutoff = (SUPPORT + SKIN) * problem.spacing
+    if problem.walls is not None:
+        cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
+    return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+
+
+def operators_of(problem: Any, points: PointCloud) -> LeastSquaresOperators:
+    """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
+    bounded = problem.walls is not None
+    # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
+    curved = bounded and problem.walls.curved and real() == ti.f64
+    pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
+    chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
+    if problem.axisymmetric:
+        return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
+    return LeastSquaresOperators(*chosen)

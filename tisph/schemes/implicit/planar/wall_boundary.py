@@ -1,0 +1,453 @@
+"""Walls in a step: their points at its end, the pressure equations there, and the loads on bodies.
+
+The boundary condition of the pressure at walls is its normal derivative at the points on them,
+
+    n . grad p = n . (u^ - gamma_0 U) / dt + n . f - nu n . curl omega,
+
+the momentum equation at the wall, in whose last term the divergence of the velocities has no part (G. E. Karniadakis,
+M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991) 414-443, eq. 17; equation (8) of docs/theory/two-dimensional.md).
+The vorticity omega is first extrapolated to the end of the step, and then computed from the velocities found with it.
+
+The forces on bodies scatter from step to step, and with them the drag of a sample. Where particles close to a body come
+to lie in layers its operators, and so its drag, jump for a few steps. Each force is compared with the cubic in time
+through the two before and the two after it, which a drag that varies smoothly follows.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from tisph.numerics import SKIN
+from tisph.numerics.point_cloud import active
+from tisph.numerics.stokes import WallRows
+from tisph.runtime import holding, real, ti, view
+from tisph.schemes.implicit.planar.corner_singularities import Corners, CornerSingularities
+from tisph.schemes.implicit.planar.equations import Equations
+from tisph.schemes.implicit.planar.parts import Boundary, ExtraStress
+from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
+from tisph.schemes.implicit.planar.wall_points import POINT_SUPPORT
+from tisph.snapshot import Bodies
+
+LOAD_STEPS = 12
+"""Last steps whose forces count."""
+
+CUBIC_NEIGHBOURS = -2, -1, 1, 2
+"""Steps, from one of them, through whose forces the cubic goes."""
+
+CURL_LEVELS = 2
+"""Levels from which the curl of the vorticity at walls is extrapolated: from three it is unstable."""
+
+STRAIGHT = 1e-12
+"""Part of its speed below which a wall does not move into the fluid."""
+
+LOAD_LEVELS = 3
+"""Levels of forces, torques and normal stresses, for values within a step."""
+
+
+def scatter(times: np.ndarray, forces: np.ndarray, turning: np.ndarray) -> tuple[float, int] | None:
+    """Return the largest scatter of a body's force, relative to its load, and the number of that body; None if unknown.
+
+    ``times`` (steps,), newest first, ``forces`` (steps, bodies, 2), ``turning`` (steps, bodies): torques over the
+    radii of the bodies, which are the load where the force is 0 by symmetry. The scatter is the root mean square over
+    the steps of the difference from the cubic, without the scatter of the forces on the cubic, over the largest root
+    mean square force, or torque over radius.
+    """
+    if len(times) <= len(CUBIC_NEIGHBOURS):
+        return None
+    middles = np.arange(2, len(times) - 2)
+    around = middles[:, None] + CUBIC_NEIGHBOURS
+    others = times[around] - times[middles, None]
+    apart = others[:, None] - others[:, :, None]
+    np.einsum("maa->ma", apart)[...] = others  # a factor b / (b - a) of 1 for b = a
+    weights = np.prod(others[:, None] / apart, axis=2)
+    cubic = np.einsum("ms,msbi->mbi", weights, forces[around])
+    variance = 1.0 + np.square(weights).sum(axis=1)
+    squares = (((forces[middles] - cubic) ** 2).sum(axis=2) / variance[:, None]).sum(axis=0)
+    squared_loads = (forces[middles] ** 2).sum(axis=2), turning[middles] ** 2
+    size = np.sqrt(max(each.mean(axis=0).max() for each in squared_loads))
+    worst = int(np.argmax(squares))
+    return (math.sqrt(squares[worst] / len(middles)) / size, worst) if size > 0.0 else None
+
+
+class WallLoads:
+    """Tractions of the fluid at the points on walls, and the forces and torques on bodies of the last steps.
+
+    Lists of levels, newest first: ``loads`` (2, bodies, 4), force, torque and stresslet of all stresses and of the
+    pressure; ``times`` since walls jumped last; ``normal_stresses`` (bodies,), mean N1 of a polymer at each wall.
+    """
+
+    def __init__(self, problem: Any, levels: TimeLevels, corners: Corners) -> None:
+        self.problem, self.walls, self.levels, self.corners = problem, problem.walls, levels, corners
+        self.slots = slice(problem.n_fluid, problem.particles)
+        self.loads: list[np.ndarray] = []
+        self.times: list[np.ndarray] = []
+        self.normal_stresses: list[np.ndarray] = []
+
+    def measure(self, time: float, normal: np.ndarray, velocity: np.ndarray, extra: Any) -> None:
+        """Store the loads at ``time``, of the newest fields.
+
+        ``normal`` (count, 2), ``velocity`` (count, components) and ``extra`` stress (numbers, count) of the points.
+        """
+        if self.problem.carries_stress:
+            (xx, xy, yy), (x, y) = extra[:3], normal.T
+            difference = (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y  # N1 at the walls
+            normals = self.problem.density * self.walls.means(difference)
+            self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
+        pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
+        tractions = self.tractions(pressure, normal, self.strain(velocity), extra)
+        loads = self.problem.density * self.walls.sums(tractions, time)
+        self.loads = [loads, *self.loads][:LOAD_STEPS]
+        self.times = [np.array(time), *self.times][:LOAD_STEPS]
+
+    def strain(self, velocity: np.ndarray) -> np.ndarray:
+        """Return 2 D (numbers, count), xx, xy, yy, of a wall ``velocity`` and the measured gradients at the points.
+
+        In axisymmetric flow the components of x and y with the direction around the axis follow.
+        """
+        fields, components = (self.levels.d_dx, self.levels.d_dy), self.levels.components
+        parts = (view(field)[self.slots, :components].T.astype(float) for field in fields)
+        return self.walls.strain(velocity.T, *parts)
+
+    def tractions(self, pressure: np.ndarray, normal: np.ndarray, strain: np.ndarray, extra: Any) -> np.ndarray:
+        """Return the tractions (2, count, components) of all stresses and of the ``pressure``, per unit density."""
+        stress, normal = self.problem.solvent_viscosity * strain + extra, normal.T
+        rows = (stress[:2], stress[1:3], stress[3:])[: self.levels.components]
+        viscous = np.stack([(row * normal).sum(axis=0) for row in rows])
+        pushing = np.zeros_like(viscous)
+        pushing[:2] = -pressure * normal
+        viscous, pushing = self.corners.add_traction(np.stack([viscous.T, pushing.T]), normal.T)
+        return np.stack([viscous + pushing, pushing])
+
+    def at(self, time: float, weights: TimeWeights, offset: float, contact: Any) -> Bodies:
+        """Return the ``Bodies`` at ``time``, an ``offset`` before the end of the last step."""
+        level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.loads)))
+        loads, normals = (
+            sum(weight * each for weight, each in zip(level_weights, levels, strict=False)) if levels else None
+            for levels in (self.loads, self.normal_stresses)
+        )
+        return Bodies.at(time, self.walls.bodies, loads, normals, contact)
+
+    def scatter(self, numbers: Sequence[int]) -> tuple[float, int] | None:
+        """Return the largest ``scatter`` of the forces on bodies with these ``numbers``, and the number of the body.
+
+        None if the scatter is unknown.
+        """
+        if not numbers:
+            return None
+        loads = np.reshape([each[0][numbers] for each in self.loads[: len(self.times)]], (-1, len(numbers), 4))
+        shapes = [self.walls.bodies[number].shape for number in numbers]
+        # the pressure at an inlet is its load, no torque around some point
+        radii = np.array([math.sqrt(shape.area / math.pi) or math.inf for shape in shapes])
+        found = scatter(np.array(self.times), loads[:, :, :2], loads[:, :, 2] / radii)
+        return found and (found[0], numbers[found[1]])
+
+
+@ti.data_oriented
+class WallBoundary(Boundary):
+    """The ``Boundary`` of a ``BoundedProblem``: walls of given motion.
+
+    ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a particle:
+    with this weight a constant pressure is left by the equations of particles and points alike. ``normal_curls``:
+    levels of n . curl omega (count,), newest first. ``loads``: ``WallLoads``.
+    """
+
+    bounded = True
+
+    def __init__(
+        self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
+    ) -> None:
+        super().__init__(problem, levels)
+        self.walls, self.support, self.points = problem.walls, support, levels.points
+        self.shift, self.grid = shift, grid
+        self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress
+        if problem.corners:
+            self.corners = CornerSingularities(problem, levels)
+        self.loads = WallLoads(problem, levels, self.corners)
+        self.normal_curls: list[np.ndarray] = []
+        self.normals, self.velocity = np.empty((0, 2)), np.empty((0, 2))
+        self.grid_time: float | None = None
+        capacity, weight = self.points.capacity, np.zeros(self.points.capacity)
+        self.normal = ti.field(ti.types.vector(2, real()), capacity)
+        self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
+        weight[self.slots] = self.walls.length / problem.spacing**2
+        self.weight = holding(ti.field(real(), capacity), weight)
+
+    def reset(self) -> None:
+        """Return to the state before the first step."""
+        self.grid_time = None
+
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
+        """Move particles by the known flow in singular corners; return True, since given motions do not overlap."""
+        self.corners.predict(weights, dt)
+        return True
+
+    def move(self, time: float) -> None:
+        """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
+        positions, spacing, n_fluid = view(self.points.position), self.problem.spacing, self.problem.n_fluid
+        position, self.normals, self.velocity = self.walls.at(time)
+        positions[self.slots] = position % [self.problem.length, self.problem.height]
+        positions = positions[: self.problem.particles]
+        planes, distances, curvatures = self.walls.nearest_walls(positions, time)
+        if self.operators.curved:
+            polar = self.walls.polar_map(positions, planes, distances, curvatures)
+            view(self.operators.polar_map)[: self.problem.particles] = polar
+        view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
+        factor = self.support_factors(positions, distances)
+        view(self.operators.support_factor)[: self.problem.particles] = factor
+        view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + SKIN * spacing
+        self.close_gaps(distances)
+        inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
+        if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
+            self.set_grid(time)
+
+    def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports at ``positions`` with these ``distances`` from walls."""
+        factor = self.walls.support_factor(distances, self.support)
+        factor[self.slots] += POINT_SUPPORT / self.support
+        return factor
+
+    def close_gaps(self, distances: np.ndarray) -> None:
+        """Do nothing: walls of given motion keep gaps that hold particles."""
+
+    def set_grid(self, time: float) -> None:
+        """Set the walls of the preconditioner's ``grid`` to ``time``: at first, and when they have moved a spacing."""
+        self.grid.set_walls(lambda position: self.walls.distance(position, time))
+        self.grid_time = time
+
+    def impose_neumann_rows(self) -> None:
+        """Replace the Laplacian at the points by the normal derivative."""
+        view(self.normal)[self.slots] = self.normals
+        self.set_neumann_rows()
+
+    @property
+    def positions(self) -> np.ndarray:
+        """Positions of particles and points (points, 2)."""
+        return view(self.points.position)[: self.problem.particles].astype(float)
+
+    @property
+    def newest_velocities(self) -> np.ndarray:
+        """Newest velocities (points, components) of particles and points, in place, without the flow in corners."""
+        return active(self.levels.fields)[: self.problem.particles, : self.levels.components]
+
+    @property
+    def fluid_velocity(self) -> np.ndarray:
+        """Velocities (count, components) of the fluid at the points before the start."""
+        if not self.problem.initial_velocity:
+            return np.zeros_like(self.velocity)
+        return self.problem.unknowns_given(self.problem.initial_velocity, *self.places.T)
+
+    @property
+    def places(self) -> np.ndarray:
+        """Positions (count, 2) of the points in the frame of the scene."""
+        return self.positions[self.slots] + self.problem.origin
+
+    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
+        """Apply the impulse of walls that start to move into the fluid; return whether its system was solved."""
+        self.measure_own_start()
+        against = self.velocity - self.fluid_velocity
+        into = np.abs(self.walls.inwards(self.normals, against)).max() > STRAIGHT * np.abs(against).max()
+        if not (self.problem.has_own_start or into):
+            return True
+        solved = self.find_impulse(equations, tolerance)
+        self.levels.subtract_gradient(equations.pressure.x)
+        return solved
+
+    def measure_own_start(self) -> None:
+        """Measure the divergence of given initial velocities, which the points have as well."""
+        if self.problem.has_own_start:
+            self.newest_velocities[self.slots] = self.fluid_velocity
+            self.levels.measure()
+
+    def find_impulse(self, equations: "Equations", tolerance: float) -> bool:
+        """Solve for the impulse of the velocity of walls against the fluid; return whether it was solved."""
+        view(equations.velocity.x)[self.slots] = self.velocity - self.fluid_velocity
+        return equations.find_impulse(tolerance, self.problem.has_own_start)
+
+    def begin(self, equations: "Equations") -> None:
+        """Give the points their velocities after the start, and the equations the accelerations of the walls."""
+        newest = self.newest_velocities
+        newest[self.slots] = self.velocity
+        self.corners.remove_from(newest, self.positions)
+        view(equations.velocity.x)[: self.problem.particles] = newest
+        self.set_accelerations(equations)
+        self.update_normal_curls(equations.velocity.x)
+        self.store_normal_curls()
+
+    def set_accelerations(self, equations: "Equations") -> None:
+        """Set the forcing at the points to body force minus acceleration of the walls, at the start."""
+        acceleration, start = -self.walls.acceleration(self.problem.start_time), self.problem.start_time
+        if self.problem.body_force:
+            acceleration += self.problem.unknowns_given(self.problem.body_force, *self.places.T, start)
+        view(equations.forcing)[self.slots] = self.corners.add_start_force(acceleration, self.slots)
+
+    def begin_without_inertia(self, time: float) -> None:
+        """Begin at ``time``, with a flow that no earlier one alters."""
+        self.move(time)
+        self.store_normal_curls()
+
+    def forget(self) -> None:
+        """Forget the loads of earlier times, at which the motion was another one."""
+        self.loads.times = []
+
+    def jump(self, time: float) -> None:
+        """Give the points the velocities of the walls after ``time``, at which these jump."""
+        self.loads.times = []
+        self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
+        self.newest_velocities[self.slots] = self.velocity
+
+    def begin_step(self, weights: TimeWeights) -> None:
+        """Extrapolate the curl of the vorticity to the end of a step."""
+        level_weights = weights.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
+        levels = zip(level_weights, self.normal_curls, strict=False)
+        self.present_curls[...] = sum(weight * curl for weight, curl in levels)
+
+    def solver_velocity(self) -> np.ndarray:
+        """Return the velocities (count, components) of the points without the known flow in corners."""
+        return self.corners.at_walls_without(self.velocity)
+
+    @property
+    def present_curls(self) -> np.ndarray:
+        """Values n . curl omega (count,) of the pressure's equation at the points, in place."""
+        return view(self.normal_curl)[self.slots]
+
+    def add_normal_momentum(self, equations: "Equations", dt: float, gamma0: float, viscosity: float) -> None:
+        """Set the right-hand side of the pressure at the points, equation (8), for the present forcing and velocity."""
+        fields = equations.pressure.b, equations.forcing, equations.velocity.x, equations.acceleration
+        self.set_normal_momentum(*fields, dt, gamma0, viscosity)
+
+    def rows(self) -> WallRows:
+        """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
+        weight = view(self.weight)[self.slots].astype(float)
+        return WallRows(self.normals, weight, *self.open_parts(), self.walls.strain)
+
+    def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the parts (count,) and (fluid,) of equations that hold: 1, where gaps hold particles."""
+        return np.ones(self.walls.count), np.ones(self.problem.n_fluid)
+
+    def store_normal_curls(self) -> None:
+        """Store the curl of the vorticity at the points as the newest level."""
+        self.normal_curls = [self.present_curls.copy(), *self.normal_curls][:CURL_LEVELS]
+
+    def store(self, time: float) -> None:
+        """Store the curl of the vorticity and the loads of the newest fields, at ``time``."""
+        self.measure_normal_curls()
+        self.store_normal_curls()
+        self.measure_loads(time)
+
+    def measure_loads(self, time: float) -> None:
+        """Store the loads of the newest fields, at ``time``."""
+        self.loads.measure(time, self.normals, self.velocity, self.extra_stress.wall_stress())
+
+    def bodies(self, time: float, weights: TimeWeights, offset: float) -> Bodies:
+        """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
+        return self.loads.at(time, weights, offset, None)
+
+    @property
+    def load_scatter(self) -> tuple[float, int] | None:
+        """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
+        return self.loads.scatter([number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0])
+
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs."""
+        loads = self.loads
+        levels = {"normal_curls": self.normal_curls, "loads": loads.loads, "load_times": loads.times}
+        levels["normal_stresses"] = loads.normal_stresses
+        lists = {name: [array.tolist() for array in arrays] for name, arrays in levels.items()}
+        return {**lists, "grid_time": self.grid_time}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
+        names = "normal_curls", "loads", "load_times", "normal_stresses"
+        levels = [[np.array(values) for values in state[name]] for name in names]
+        self.normal_curls, self.loads.loads, self.loads.times, self.loads.normal_stresses = levels
+        self.set_grid(state["grid_time"])
+
+    @ti.kernel
+    def set_neumann_rows(self):
+        """Set the operators of the Laplacian at the points to the normal derivative times the weight."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            normal, total = self.weight[i] * self.normal[i], 0.0
+            normal.y *= self.coordinates.radius(i)
+            for k in range(self.points.begin[i], self.points.end[i]):
+                slope = normal.x * self.operators.d_dx[k] + normal.y * self.operators.d_dy[k]
+                weight = self.row_weight(i, k, slope)
+                self.operators.laplacian[k] = weight
+                total += weight
+            self.operators.diagonal[i] = -total
+
+    @ti.func
+    def row_weight(self, i, k, slope):
+        """Return the weight of neighbour ``k`` in the equation at a point, ``slope`` in the normal derivative."""
+        return slope
+
+    @ti.func
+    def open_part(self, i, value):
+        """Return the part of a right-hand ``value`` at a point that lies in no gap that closes: all of it."""
+        return value
+
+    @ti.kernel
+    def set_normal_momentum(
+        self,
+        right: ti.template(),
+        forcing: ti.template(),
+        velocity: ti.template(),
+        body: ti.template(),
+        dt: float,
+        gamma0: float,
+        viscosity: float,
+    ):
+        """Set the right-hand side of the pressure's equation at walls, where the velocities are prescribed."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            acceleration = (forcing[i] - gamma0 * velocity[i]) / dt + body[None]
+            local = self.extra_stress.local_viscosity(i, viscosity)
+            right[i] = self.normal_momentum(i, acceleration, local)
+
+    @ti.func
+    def normal_momentum(self, i, acceleration, viscosity):
+        """Return the right-hand side at a point for an ``acceleration`` without pressure and viscosity."""
+        along = self.normal[i].x * acceleration.x + self.coordinates.radius(i) * self.normal[i].y * acceleration.y
+        return self.open_part(i, -self.weight[i] * (along - viscosity * self.normal_curl[i]))
+
+    @ti.kernel
+    def add_impulse_momentum(self, right: ti.template(), velocity: ti.template()):
+        """Set the right-hand side of the impulse's equation at walls that start to move at ``velocity``."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            right[i] = self.normal_momentum(i, -velocity[i], 0.0)
+
+    @ti.kernel
+    def update_normal_curls(self, velocity: ti.template()):
+        """Compute n . curl omega at the points from a ``velocity`` field."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.particles[None]):
+            own, total = velocity[i], 0.0
+            for k in range(self.points.begin[i], self.points.end[i]):
+                apart = velocity[self.points.neighbours[k]] - own
+                total += self.operators.d_dx[k] * apart.y - self.operators.d_dy[k] * apart.x
+            self.vorticity[i] = total
+        self.take_normal_curls()
+
+    @ti.kernel
+    def measure_normal_curls(self):
+        """Compute n . curl omega at the points, of the newest level, whose gradients are measured."""
+        ti.loop_config(serialize=self.operators.serial_numbers)
+        for i in range(self.points.particles[None]):
+            self.vorticity[i] = self.levels.d_dx[i][1] - self.levels.d_dy[i][0]
+        self.take_normal_curls()
+
+    @ti.func
+    def take_normal_curls(self):
+        """Compute n . curl of the ``vorticity`` at the points."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None], self.points.particles[None]):
+            own, normal, radius = self.vorticity[i], self.normal[i], self.coordinates.radius(i)
+            total = self.coordinates.hoop(normal.x * own)
+            normal *= ti.Vector([radius * radius, radius])
+            for k in range(self.points.begin[i], self.points.end[i]):
+                weight = normal.x * self.operators.d_dy[k] - normal.y * self.operators.d_dx[k]
+                total += weight * (self.vorticity[self.points.neighbours[k]] - own)
+            self.normal_curl[i] = total

@@ -1,1 +1,0 @@
-"""Linear solvers: BiCGStab with its preconditioners, and the auxiliary grids of the two-level one."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inside import two_dimensional as _two_dimensional
+from inside import problem_of
 
 from tisph import registry, schemes
 from tisph.config import load
@@ -297,7 +297,7 @@ IN_TWO_DIMENSIONS = ["shear_layer", "circular_couette", "cylinder_lattice", "cyl
 def test_fluids_of_varying_viscosity_are_served_in_two_dimensions(flow, name):
     """Their law reaches the problem that is solved, with the density by which a yield stress is divided."""
     config = changed(flow, f"fluid.rheology={RHEOLOGIES[name]}", "fluid.density=2.0")
-    problem = _two_dimensional._problem(registry.load("scenes", config.scene).Scene.from_config(config))
+    problem = problem_of(registry.load("scenes", config.scene).Scene.from_config(config))
     assert problem.rheology == config.fluid.rheology
     assert (problem.density, problem.solvent_viscosity) == (2.0, 0.0)
 

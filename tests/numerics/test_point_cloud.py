@@ -5,7 +5,7 @@ import functools
 
 import numpy as np
 import pytest
-from inside import PeriodicProblem
+from inside import Problem
 
 from tisph import runtime
 from tisph.numerics.domain import PeriodicDomain
@@ -218,7 +218,7 @@ REACH = 3.0
 def box(columns, rows):
     runtime.start("f64", 1)
     numbers = {"density": 1.0, "kinematic_viscosity": 1.0, "reference_velocity": 1.0}
-    flow = PeriodicProblem(columns=columns, rows=rows, spacing=0.1, **numbers)
+    flow = Problem(columns=columns, rows=rows, n_fluid=columns * rows, spacing=0.1, **numbers)
     return flow, PointCloud(flow, PeriodicDomain(flow.length, flow.height), REACH * flow.spacing, 0, True)
 
 

@@ -5,8 +5,7 @@ from dataclasses import replace
 import case_from_text
 import numpy as np
 import pytest
-from inside import SMALL, SplittingScheme
-from inside import two_dimensional as _two_dimensional
+from inside import SMALL, SplittingScheme, problem_of
 
 from tisph.measures.resolution import LARGEST_ADDED_POWER, resolution
 from tisph.rheology import oldroyd_b
@@ -142,7 +141,7 @@ def test_flow_along_and_around_the_axis_goes_on(tmp_path):
         along, around = (0.5 * flow.shear_rate(y, 0.0) for flow in scene._flows)
         return [np.stack([2 * along**2, along, 0 * y, 2 * around**2, 2 * along * around, around])]
 
-    problem = replace(_two_dimensional._problem(scene), rheology=fluid, initial_conformation_excess=excess)
+    problem = replace(problem_of(scene), rheology=fluid, initial_conformation_excess=excess)
     scheme = SplittingScheme(problem, [0.3], True)
     scheme.start(*start_values(scene, settings.initial))
     while not scheme.finished:

@@ -6,7 +6,7 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case
-from inside import PeriodicProblem, SplittingScheme
+from inside import Problem, SplittingScheme
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
@@ -53,8 +53,8 @@ def test_a_start_from_rest_ends_in_the_steady_flow():
 
 def test_a_law_of_constant_viscosity_is_a_newtonian_fluid():
     """Vortices: its stress is differentiated twice, that of a Newtonian fluid not at all."""
-    flow = PeriodicProblem(
-        columns=20, rows=20, spacing=1 / 20, reference_velocity=1.0, density=1.0, kinematic_viscosity=0.1
+    flow = Problem(
+        columns=20, rows=20, n_fluid=400, spacing=1 / 20, reference_velocity=1.0, density=1.0, kinematic_viscosity=0.1
     )
     law = carreau_yasuda.Parameters(time=1.0, index=1.0)
     places, found = vortex_case.arrangement(20, 0.2), []

@@ -8,7 +8,7 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case as vortices
-from inside import PeriodicProblem, SplittingScheme, WallPoints, viscoelastic_stress
+from inside import Problem, SplittingScheme, WallPoints, viscoelastic_stress
 from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm, logm
@@ -263,7 +263,8 @@ def weak_vortices(number):
     """Snapshot of vortices too weak to deform the polymer much, which started without stress; and the scheme."""
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": RELAXING}
-    flow = PeriodicProblem(columns=number, rows=number, spacing=1 / number, reference_velocity=SPEED, **liquid)
+    box = {"columns": number, "rows": number, "n_fluid": number**2, "spacing": 1 / number}
+    flow = Problem(**box, reference_velocity=SPEED, **liquid)
     scheme, places = SplittingScheme(flow, [END], True, tolerance=1e-7), vortices.arrangement(number, 0.2)
     scheme.start(places, SPEED * np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     while not scheme.finished:
@@ -301,7 +302,7 @@ def test_weak_vortices_decay_and_reverse_as_linear_theory_says():
 def test_a_divergence_stretches_no_polymer():
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": RELAXING}
-    flow = PeriodicProblem(columns=12, rows=12, spacing=1 / 12, reference_velocity=1.0, **liquid)
+    flow = Problem(columns=12, rows=12, n_fluid=144, spacing=1 / 12, reference_velocity=1.0, **liquid)
     scheme, places = SplittingScheme(flow, [END], True), vortices.arrangement(12, 0.2)
     scheme.start(places, np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     scheme.advance()

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from inside import COURANT, BoundedProblem, SplittingScheme, WallPoints
+from inside import COURANT, Problem, SplittingScheme, WallPoints
 
 from tisph import runtime
 from tisph.geometry.body import Body
@@ -33,7 +33,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
     extent = np.add(centre, corner), np.subtract(centre, corner)
     box = box_around(extent, spacing, (False, False), 0.8)
-    flow = BoundedProblem(
+    flow = Problem(
         n_fluid=len(places),
         walls=WallPoints(bodies, spacing, box.origin),
         density=1.0,

@@ -38,12 +38,13 @@ PARTS = {
     "schemes.implicit.channel.stress_controlled": "MasslessWall",
     "schemes.implicit.channel.walls": "CoupledWall OBEY_MOMENTUM PrescribedWall",
     "schemes.implicit.planar": (
-        "BETWEEN_WALLS BoundedProblem COST OVERHEAD PeriodicProblem STARTING guessed_steps=_guessed_steps "
+        "BETWEEN_WALLS COST OVERHEAD STARTING guessed_steps=_guessed_steps "
         "log_conformation log_conformation_with_swirl two_dimensional_scheme=scheme "
         "step_limits viscoelastic_stress wall_points"
     ),
     "schemes.implicit.planar.corner_singularities": "CornerSingularities FAR STEEPEST SingularPaths",
     "schemes.implicit.planar.free_bodies": "Contact RESIDUAL",
+    "schemes.implicit.planar.problem": "Problem problem_of",
     "schemes.implicit.planar.scheme": "COURANT SplittingScheme",
     "schemes.implicit.planar.step_limits": "FIRST TOLERANCE two_dimensional_step_control=step_control",
     "schemes.implicit.planar.time_levels": "PlanarCoordinates TimeWeights VELOCITIES",

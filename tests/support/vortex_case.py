@@ -1,7 +1,7 @@
 """The Taylor-Green vortex in a periodic box, for tests of the scheme that has a pressure."""
 
 import numpy as np
-from inside import COURANT, TOLERANCE, PeriodicProblem, SplittingScheme
+from inside import COURANT, TOLERANCE, Problem, SplittingScheme
 from inside import two_dimensional_step_control as step_control
 from kept_program import kept
 
@@ -53,10 +53,11 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
 
 def flow(number, cells):
     """Box and liquid of vortices side by side, at Re = 100."""
-    return PeriodicProblem(
+    return Problem(
         columns=cells * number,
         rows=number,
         spacing=1 / number,
+        n_fluid=cells * number**2,
         density=1.0,
         kinematic_viscosity=VISCOSITY,
         reference_velocity=1.0,

@@ -15,6 +15,7 @@ import numpy as np
 
 from tisph.exact.sliding_corner import DEGREE
 from tisph.runtime import holding, integer, real, ti, view
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, TimeLevels, TimeWeights
 
 PARTS = 2
@@ -250,7 +251,7 @@ class CornerSingularities(Corners):
     The walls beside such corners slide along themselves, so that the points on them stay where they are.
     """
 
-    def __init__(self, problem: Any, levels: TimeLevels) -> None:
+    def __init__(self, problem: Problem, levels: TimeLevels) -> None:
         self.corners, self.origin, self.problem = problem.corners, np.array(problem.origin), problem
         self.points, self.paths = levels.points, SingularPaths(problem.corners, problem.origin, levels)
         self.wall_velocity: np.ndarray | None = None

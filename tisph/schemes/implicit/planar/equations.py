@@ -20,6 +20,7 @@ from tisph.numerics.bicgstab import BiCGStab, TwoLevel
 from tisph.numerics.stokes import StokesSolver, Unknowns
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
 
 ROUGH = 1.0
@@ -41,7 +42,7 @@ class Equations:
 
     def __init__(
         self,
-        problem: Any,
+        problem: Problem,
         levels: TimeLevels,
         grid: Any,
         boundary: Boundary,

@@ -15,8 +15,6 @@ fluid from section to section: in this time errors of the flow rate vanish. Betw
 the uniform source (R_s - R_(s-1))/area, which is the mean divergence that the operators miss there.
 """
 
-from typing import Any
-
 import numpy as np
 
 from tisph.measures.fits import sum_weights
@@ -24,6 +22,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
 from tisph.schemes.implicit.planar.open_ends import OpenWallBoundary
 from tisph.schemes.implicit.planar.parts import Coupling
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, gradients
 
 CLEAR, APART, MOST_SECTIONS = 6.0, 8.0, 12
@@ -44,7 +43,7 @@ class FlowRateControl(Coupling):
     ``response``: change of a residual over its value that the source has which removes it in a fluid without viscosity.
     """
 
-    def __init__(self, problem: Any, boundary: OpenWallBoundary) -> None:
+    def __init__(self, problem: Problem, boundary: OpenWallBoundary) -> None:
         self.problem, self.boundary, self.levels = problem, boundary, boundary.levels
         self.inlet = boundary.walls.bodies[-2]
         self.along = float(self.inlet.shape.normal[0])

@@ -38,6 +38,7 @@ from tisph.numerics.stokes import Unknowns
 from tisph.runtime import real, scalar, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
 from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Coupling, ExtraStress
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
 from tisph.snapshot import Bodies
@@ -167,8 +168,10 @@ class Contact:
 class FreeBodies:
     """The free ones of the bodies of ``walls``, a ``WallPoints``: n of them, with velocities (n, 3)."""
 
-    def __init__(self, problem: Any) -> None:
+    def __init__(self, problem: Problem) -> None:
         walls, density = problem.walls, problem.density
+        assert walls is not None
+        assert problem.contact is not None
         self.walls, self.density, self.viscosity = walls, density, problem.kinematic_viscosity
         distance, pressure = problem.contact
         self.contact = Contact(walls.bodies, distance, pressure, walls.spacing)
@@ -345,7 +348,7 @@ class FreeWallBoundary(WallBoundary):
     """
 
     def __init__(
-        self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
+        self, problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
     ) -> None:
         super().__init__(problem, levels, shift, grid, extra_stress, support)
         self.free = FreeBodies(problem)

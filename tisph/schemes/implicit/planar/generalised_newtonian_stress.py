@@ -39,6 +39,7 @@ import numpy as np
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes.implicit.planar.parts import ExtraStress
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights, gradients
 
 XX, XR, RR, TT, XT, RT = range(6)
@@ -57,7 +58,7 @@ class GeneralisedNewtonianStress(ExtraStress):
 
     nonlinear, resolution_name = True, "added_power"
 
-    def __init__(self, levels: TimeLevels, problem: Any) -> None:
+    def __init__(self, levels: TimeLevels, problem: Problem) -> None:
         self.axisymmetric, self.lowest_radius = problem.axisymmetric, problem.origin[1]
         self.strain = 6 if self.axisymmetric else 3
         self.numbers = 2 * self.strain + 2

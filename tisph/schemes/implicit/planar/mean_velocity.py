@@ -13,6 +13,7 @@ from tisph.numerics.stokes import Unknowns
 from tisph.runtime import view
 from tisph.schemes.implicit.planar.equations import Equations
 from tisph.schemes.implicit.planar.parts import Coupling
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
 
 SETTLED = 0.3
@@ -26,7 +27,10 @@ class MeanVelocityControl(Coupling):
     of a time and g of the last two steps, newest first.
     """
 
-    def __init__(self, problem: Any, boundary: WallBoundary) -> None:
+    def __init__(self, problem: Problem, boundary: WallBoundary) -> None:
+        assert problem.kept_mean_velocity is not None
+        assert problem.section_weights is not None
+        self.wanted, self.section_weights = problem.kept_mean_velocity, problem.section_weights
         self.problem, self.boundary = problem, boundary
         self.acceleration, self.response = 0.0, 1.0
         self.levels: list[tuple[float, float]] = []
@@ -43,7 +47,7 @@ class MeanVelocityControl(Coupling):
         fluid, walls = slice(self.problem.n_fluid), self.boundary.slots
         newest, solution = self.boundary.newest_velocities, view(equations.velocity.x)
         solution[: len(newest)] = newest
-        wanted = self.problem.kept_mean_velocity - self._mean(equations)
+        wanted = self.wanted - self._mean(equations)
         if wanted == 0.0:
             return True
         solution[walls] = 0.0
@@ -61,7 +65,7 @@ class MeanVelocityControl(Coupling):
     def _measure_section(self, time: float) -> None:
         """Compute the weights of the present positions, at ``time``, in the mean velocity."""
         self.time = time
-        self.weights = self.problem.section_weights(self.boundary.positions + self.problem.origin, time)
+        self.weights = self.section_weights(self.boundary.positions + self.problem.origin, time)
 
     def _mean(self, equations: "Equations") -> float:
         """Return the mean velocity of the present solution."""
@@ -88,7 +92,7 @@ class MeanVelocityControl(Coupling):
 
         walls, one = self.boundary.velocity.size, np.ones(1)
         nothing, section = csr_matrix((walls, 1)), csr_matrix(self.weights[None])
-        wanted, response = np.array([self.problem.kept_mean_velocity]), self.response * self.scale * one
+        wanted, response = np.array([self.wanted]), self.response * self.scale * one
         shape = nothing, nothing.T.tocsr(), one, 0.0 * one, 0.0 * one, section, wanted
         return Unknowns(*shape, 0.0 * one, self.scale * one, response)
 
@@ -98,14 +102,14 @@ class MeanVelocityControl(Coupling):
 
     def correct(self, equations: "Equations") -> bool:
         """Change the acceleration by the mean velocity of the solution; return whether it had converged."""
-        mean, wanted = self._mean(equations), self.problem.kept_mean_velocity
+        mean = self._mean(equations)
         if self.tried and self.acceleration != self.tried[0]:
             slope = (mean - self.tried[1]) / (self.acceleration - self.tried[0]) / self.scale
             self.response = slope if slope > 0.0 else self.response
-        if not abs(mean - wanted) > self.allowed:
+        if not abs(mean - self.wanted) > self.allowed:
             return True
         self.tried = self.acceleration, mean
-        self._accelerate(equations, self.acceleration + (wanted - mean) / (self.response * self.scale))
+        self._accelerate(equations, self.acceleration + (self.wanted - mean) / (self.response * self.scale))
         return False
 
     def store(self, time: float) -> None:

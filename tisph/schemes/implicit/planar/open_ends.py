@@ -31,6 +31,7 @@ from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
 from tisph.numerics.stokes import WallRows
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes.implicit.planar.wall_boundary import LOAD_LEVELS, WallBoundary
 from tisph.schemes.implicit.planar.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
@@ -77,7 +78,7 @@ class OpenWallBoundary(WallBoundary):
     are as long as the inlet is wide.
     """
 
-    def __init__(self, problem: Any, *others: Any) -> None:
+    def __init__(self, problem: Problem, *others: Any) -> None:
         super().__init__(problem, *others)
         walls = self.walls
         kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]

@@ -13,6 +13,7 @@ import numpy as np
 
 from tisph.runtime import ti
 from tisph.schemes.implicit.planar.corner_singularities import Corners
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
 
 MOST_ITERATIONS = 20
@@ -110,7 +111,7 @@ class Boundary:
     slots: slice
     velocity: np.ndarray
 
-    def __init__(self, problem: Any, levels: TimeLevels) -> None:
+    def __init__(self, problem: Problem, levels: TimeLevels) -> None:
         self.problem, self.levels = problem, levels
         self.slots = slice(problem.n_fluid, problem.particles)
         self.velocity = np.zeros((0, levels.components))

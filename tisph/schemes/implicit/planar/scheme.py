@@ -32,6 +32,7 @@ from tisph.schemes.implicit.planar.parts import (
     Coupling,
     ExtraStress,
 )
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
 from tisph.schemes.implicit.planar.viscoelastic_stress import ViscoelasticStress
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
@@ -75,7 +76,7 @@ mixed 1e5 of them a step takes 1.7 times as long without."""
 class SplittingScheme(ControlledScheme):
     """Particles in a box, with walls or without, advanced step by step.
 
-    ``problem`` is a ``PeriodicProblem`` or ``BoundedProblem``; ``targets`` are times that steps end on exactly.
+    ``targets`` are times that steps end on exactly.
     ``serial`` compiles loops without threads. ``tolerance``: error of a step over the velocity, None for steps of the
     Courant number alone. The parts of a step are ``levels``, ``boundary``, ``extra_stress`` and ``couplings``
     (``parts.py``); ``equations`` has the linear systems.
@@ -85,7 +86,7 @@ class SplittingScheme(ControlledScheme):
 
     def __init__(
         self,
-        problem: Any,
+        problem: Problem,
         targets: Sequence[float],
         serial: bool,
         tolerance: float | None = limits.TOLERANCE,
@@ -323,6 +324,7 @@ class SplittingScheme(ControlledScheme):
     def body_force(self, time: float) -> np.ndarray:
         """Return the given body force (points, components) at ``time`` at the points, as unknowns."""
         x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
+        assert self.problem.body_force is not None
         return self.problem.unknowns_given(self.problem.body_force, x, y, time)
 
     def assemble(self, time: float) -> None:
@@ -400,10 +402,12 @@ class SplittingScheme(ControlledScheme):
             weights, offset, position, velocity, pressure, created
         )
         stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
+        x, y = problem.places(position)
         return Snapshot(
             t=time,
             step=self.steps,
-            **dict(zip("xy", problem.places(position), strict=True)),
+            x=x,
+            y=y,
             u=velocity[:, 0].copy(),
             v=velocity[:, 1].copy(),
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
@@ -458,7 +462,7 @@ class SplittingScheme(ControlledScheme):
             self.flow_rate.response = state["flow_rate_response"]
 
 
-def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
+def extra_stress_of(problem: Problem, levels: TimeLevels) -> ExtraStress:
     """Return the extra stress of a fluid."""
     if problem.rheology is None:
         return ExtraStress(levels)
@@ -467,7 +471,7 @@ def extra_stress_of(problem: Any, levels: TimeLevels) -> ExtraStress:
     return GeneralisedNewtonianStress(levels, problem)
 
 
-def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
+def boundary_of(problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
     """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
     if problem.walls is None:
         return Boundary(problem, levels)
@@ -475,19 +479,20 @@ def boundary_of(problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_s
     return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
 
 
-def points_of(problem: Any, serial: bool) -> PointCloud:
+def points_of(problem: Problem, serial: bool) -> PointCloud:
     """Return the ``PointCloud``, whose points near walls have wider supports; ``serial``: without threads."""
-    cutoff = (SUPPORT + SKIN) * problem.spacing
+    reach = (SUPPORT + SKIN) * problem.spacing
+    cutoff: float | tuple[float, float] = reach
     if problem.walls is not None:
-        cutoff = cutoff, cutoff + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
+        cutoff = reach, reach + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
     return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
 
 
-def operators_of(problem: Any, points: PointCloud) -> LeastSquaresOperators:
+def operators_of(problem: Problem, points: PointCloud) -> LeastSquaresOperators:
     """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
     bounded = problem.walls is not None
     # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
-    curved = bounded and problem.walls.curved and real() == ti.f64
+    curved = problem.walls is not None and problem.walls.curved and real() == ti.f64
     pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
     chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
     if problem.axisymmetric:

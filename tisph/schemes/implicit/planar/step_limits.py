@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from tisph.schemes._step_control import SHARE, StepControl
+from tisph.schemes.implicit.planar.problem import Problem
 
 TOLERANCE = 2e-6
 """Error of a step over the velocity."""
@@ -78,7 +79,7 @@ def error_speed(fastest: float, case: Any) -> float:
     return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
 
-def decay_rate(viscosity: float, speed: float, problem: Any) -> float:
+def decay_rate(viscosity: float, speed: float, problem: Problem) -> float:
     """Return the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md."""
     viscous, convective = DECAY_WITH_ENDS if problem.open_ends else DECAY
     return viscous * viscosity / problem.spacing**2 + convective * speed / problem.spacing

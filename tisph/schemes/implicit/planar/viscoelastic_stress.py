@@ -47,7 +47,9 @@ from tisph.schemes._local_newton import SMALL, Modes, matrix, solve
 from tisph.schemes.implicit.planar import log_conformation, log_conformation_with_swirl
 from tisph.schemes.implicit.planar.log_conformation_with_swirl import ModesWithSwirl, change_of_logarithm
 from tisph.schemes.implicit.planar.parts import ExtraStress
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import ORDER, TimeLevels, TimeWeights, gradients, transfer
+from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 MAX_LOG_JUMP = 5.0
 """Change of P within a spacing above which a run stops: A changes 150-fold from one particle to the next."""
@@ -88,7 +90,7 @@ class ViscoelasticStress(ExtraStress):
 
     nonlinear, resolution_name = True, "steepest"
 
-    def __init__(self, levels: TimeLevels, problem: Any) -> None:
+    def __init__(self, levels: TimeLevels, problem: Problem) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls, self.n_fluid = problem.walls, problem.n_fluid
         self.origin, self.spacing = problem.origin, problem.spacing
@@ -237,7 +239,7 @@ class ViscoelasticStress(ExtraStress):
         else:
             gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
-            self.take_known(gradient[:, self.n_fluid :])
+            self.take_known(self.walls, gradient[:, self.n_fluid :])
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
@@ -252,12 +254,12 @@ class ViscoelasticStress(ExtraStress):
             change = np.stack(change) + change_of_logarithm(state.real, self.produced)
         return change
 
-    def take_known(self, gradient: np.ndarray) -> None:
-        """Replace a measured velocity gradient (numbers, count) at walls by a shear along the wall, in place."""
+    def take_known(self, walls: WallPoints, gradient: np.ndarray) -> None:
+        """Replace a measured velocity gradient (numbers, count) at ``walls`` by a shear along the wall, in place."""
         plane = gradient[:4]
-        plane[...] = self.walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
-        if self.swirls:
-            gradient[5:] = self.walls.gradient_around(gradient[5:])
+        plane[...] = walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
+        if self.swirls and isinstance(walls, WallsOfRevolution):
+            gradient[5:] = walls.gradient_around(gradient[5:])
 
     def store(self, velocity: Any, step: int) -> tuple[float, float, float]:
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.

@@ -26,6 +26,7 @@ from tisph.runtime import holding, real, ti, view
 from tisph.schemes.implicit.planar.corner_singularities import Corners, CornerSingularities
 from tisph.schemes.implicit.planar.equations import Equations
 from tisph.schemes.implicit.planar.parts import Boundary, ExtraStress
+from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
 from tisph.schemes.implicit.planar.wall_points import POINT_SUPPORT
 from tisph.snapshot import Bodies
@@ -78,7 +79,8 @@ class WallLoads:
     pressure; ``times`` since walls jumped last; ``normal_stresses`` (bodies,), mean N1 of a polymer at each wall.
     """
 
-    def __init__(self, problem: Any, levels: TimeLevels, corners: Corners) -> None:
+    def __init__(self, problem: Problem, levels: TimeLevels, corners: Corners) -> None:
+        assert problem.walls is not None
         self.problem, self.walls, self.levels, self.corners = problem, problem.walls, levels, corners
         self.slots = slice(problem.n_fluid, problem.particles)
         self.loads: list[np.ndarray] = []
@@ -146,7 +148,7 @@ class WallLoads:
 
 @ti.data_oriented
 class WallBoundary(Boundary):
-    """The ``Boundary`` of a ``BoundedProblem``: walls of given motion.
+    """The ``Boundary`` of a problem with walls: walls of given motion.
 
     ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a particle:
     with this weight a constant pressure is left by the equations of particles and points alike. ``normal_curls``:
@@ -156,9 +158,10 @@ class WallBoundary(Boundary):
     bounded = True
 
     def __init__(
-        self, problem: Any, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
+        self, problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
     ) -> None:
         super().__init__(problem, levels)
+        assert problem.walls is not None
         self.walls, self.support, self.points = problem.walls, support, levels.points
         self.shift, self.grid = shift, grid
         self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress

@@ -1,0 +1,161 @@
+"""What the scheme of two-dimensional flow solves: a box, a fluid, scales, and the walls in the box. Nothing changes."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.body import Body
+from tisph.geometry.ends import OpenEnd
+from tisph.geometry.region import Box, box_around
+from tisph.measures.fits import section_weights
+from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
+
+CROWDING = 1.6
+"""How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
+
+CROWDING_AT_ENDS = 1.4
+"""The same near open ends, where supports are wider."""
+
+MARGIN = 0.2
+"""Margin beyond walls over the larger side of the box, for the grid of the linear solvers, which is periodic."""
+
+LEAST_MARGIN, LEAST_BOX = 3.0, 18.0
+"""The same, and sides of the box with it, in spacings: half the largest support, and three times that."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem(Box):
+    """``n_fluid`` particles of a fluid in a box, between ``walls`` or periodic, in any consistent units.
+
+    * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
+      Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
+      minus 1 of its modes; None for a start from rest.
+    * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
+    * ``walls``: None without any; the box extends beyond walls by more than the support of operators. ``corners``
+      (``exact/sliding_corner.py``): corners in which the velocities of two walls differ. ``contact``: distance and
+      pressure of ``Contact``, where there are free bodies.
+    * ``acceleration`` (2,) of a uniform body force. ``kept_mean_velocity``: mean velocity along x that a pressure
+      gradient keeps, else None; ``section_weights``: function of positions and time with the weights of that mean.
+    * ``initial_velocity``: function of x, y that returns the velocities (components, ...) before bodies start; None for
+      a fluid at rest. ``has_own_start``: whether they may have a divergence, which is removed.
+    * ``body_force``, ``conformation_source``: functions of places and time, see ``Scene``.
+    * ``axisymmetric``: whether y is the distance from an axis; ``annular``: whether an inner wall keeps the fluid away
+      from the axis; ``swirls``: whether the fluid may turn around it.
+    * ``inertia``: whether fluid and bodies have inertia; without it the flow is Stokes flow at every time.
+    * ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
+    """
+
+    n_fluid: int
+    density: float
+    kinematic_viscosity: float
+    reference_velocity: float
+    start_time: float = 0.0
+    inertia: bool = True
+    walls: WallPoints | None = None
+    acceleration: tuple[float, float] = (0.0, 0.0)
+    corners: tuple = ()
+    rheology: Any = None
+    initial_conformation_excess: Callable[..., Any] | None = None
+    initial_velocity: Callable[..., Any] | None = None
+    has_own_start: bool = False
+    body_force: Callable[..., Any] | None = None
+    conformation_source: Callable[..., Any] | None = None
+    swirls: bool = False
+    contact: tuple[float, float] | None = None
+    jump_times: tuple[float, ...] = ()
+    axisymmetric: bool = False
+    annular: bool = False
+    kept_mean_velocity: float | None = None
+    section_weights: Callable[..., np.ndarray] | None = None
+
+    @property
+    def bodies(self) -> Sequence[Body]:
+        """The bodies whose walls there are."""
+        return self.walls.bodies if self.walls else ()
+
+    @property
+    def particles(self) -> int:
+        """Number of points that have operators: fluid particles and points on walls."""
+        return self.n_fluid + (self.walls.count if self.walls else 0)
+
+    @property
+    def crowding(self) -> float:
+        """Factor of the largest number of neighbours."""
+        return CROWDING if self.contact else CROWDING_AT_ENDS if self.open_ends else 1.0
+
+    @property
+    def open_ends(self) -> tuple[float, ...]:
+        """Places x of the open ends, in the box."""
+        return tuple(
+            float(body.shape.extent[0, 0]) - self.origin[0] for body in self.bodies if isinstance(body, OpenEnd)
+        )
+
+    @property
+    def solvent_viscosity(self) -> float:
+        """Constant kinematic viscosity: of the solvent, or of the whole fluid if it is Newtonian; 0 if it varies."""
+        if self.rheology is None:
+            return self.kinematic_viscosity
+        return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
+
+    @property
+    def carries_stress(self) -> bool:
+        """Whether the fluid has a polymer."""
+        return self.rheology is not None and self.rheology.carries_stress
+
+    def unknowns(self, velocity: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,)."""
+        return velocity / _factors(y) if self.axisymmetric else velocity
+
+    def velocities(self, unknowns: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the velocities (n, components) for the ``unknowns`` of the scheme at y (n,)."""
+        return unknowns * _factors(y) if self.axisymmetric else unknowns
+
+    def unknowns_given(self, function: Callable[..., Any], x: np.ndarray, y: np.ndarray, *time: float) -> np.ndarray:
+        """Return the unknowns (n, components) for the values of a ``function`` of places and time at x, y (n,)."""
+        return self.unknowns(np.stack(function(x, y, *time), axis=1), y)
+
+
+def _factors(radius: np.ndarray) -> np.ndarray:
+    return np.stack([np.ones_like(radius), radius, radius], axis=1)
+
+
+def problem_of(scene: Any) -> Problem:
+    """Return the box and the fluid of a scene, and its walls."""
+    fluid = {
+        "n_fluid": scene.particles,
+        "density": scene.density,
+        "kinematic_viscosity": scene.kinematic_viscosity,
+        "reference_velocity": scene.reference_velocity,
+        "start_time": scene.start_time,
+        "inertia": scene.inertia,
+        "rheology": scene.rheology,
+        "initial_conformation_excess": scene.initial_conformation_excess,
+        "initial_velocity": scene.initial_velocity,
+        "has_own_start": scene.has_own_start,
+        "body_force": scene.body_force,
+        "conformation_source": scene.conformation_source,
+        "jump_times": scene.jump_times,
+        "axisymmetric": scene.axisymmetric,
+        "annular": scene.axisymmetric and scene.origin[1] > 0.0,
+        "swirls": scene.swirls,
+        "kept_mean_velocity": scene.kept_mean_velocity,
+        "section_weights": partial(section_weights, scene),
+    }
+    if not scene.bodies:
+        return Problem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
+    corners = scene.origin, np.add(scene.origin, scene.extent)
+    least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
+    margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
+    box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
+    walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
+    return Problem(
+        walls=walls,
+        corners=scene.corners,
+        contact=scene.contact,
+        acceleration=(scene.acceleration, 0.0),
+        **vars(box),
+        **fluid,
+    )

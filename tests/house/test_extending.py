@@ -59,7 +59,7 @@ def environment(folder):
 
 @pytest.mark.parametrize(
     ("what", "files"),
-    [("rheology", 1), ("scenes", 1), ("observers", 1), ("kernels", 1), ("walls", 1)],
+    [("rheology", 1), ("scenes", 1), ("observers", 1), ("schemes/wcsph/kernels", 1), ("schemes/wcsph/walls", 1)],
 )
 def test_an_example_is_as_few_files_as_the_page_says(what, files):
     assert sum(name.startswith(f"tisph/{what}/") for name in examples()) == files

@@ -4,9 +4,11 @@ import pydoc
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from inside import listen as _listen
 from inside import message_error as _error
 from inside import typed
 
@@ -84,10 +86,17 @@ def test_no_file_is_left_of_a_dict():
     ("status", "kind"), [(1, TisphError), (2, ConfigError), (3, DivergedError), (130, TisphError), (-9, TisphError)]
 )
 def test_an_exit_status_is_the_error_that_it_stands_for(status, kind):
-    error = _error(status, ["warning: it is slow\n", "error: u is infinite\n", "partial results are in runs/x\n"])
+    error = _error(status, "u is infinite\npartial results are in runs/x")
     assert type(error) is kind
     assert str(error).endswith("u is infinite\npartial results are in runs/x")
-    assert "warning" not in str(error)
+
+
+def test_events_of_a_run_are_told_from_what_else_it_says():
+    shown, said = [], ["warning: it is slow\n", '{"progress": [0.25, "t = 1"]}\n', '{"other": 1}\n']
+    found = _listen(SimpleNamespace(stderr=[*said, '{"error": "u is infinite"}\n']), lambda *each: shown.append(each))
+    assert (found, shown) == ("u is infinite", [(0.25, "t = 1")])
+    # without an error, as after an interrupt or a crash, all else that was said is the message
+    assert _listen(SimpleNamespace(stderr=said), lambda *each: None) == 'warning: it is slow\n{"other": 1}'
 
 
 def test_a_killed_run_has_a_summary_too():

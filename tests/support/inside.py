@@ -7,7 +7,7 @@ import importlib
 
 PARTS = {
     "bodies._clearance": "clearance_problems=problems",
-    "interface": "message_error=_error",
+    "interface": "listen=_listen message_error=_error",
     "measures.fits": "cell_rule=_rule",
     "measures.rheometry": (
         "amplitudes=_amplitudes creep=_creep flow_curve=_flow_curve middle=_middle oscillation=_oscillation "

@@ -18,7 +18,8 @@ PARTS = {
     "report.movie": "Ranges=_Ranges overlays=_overlays",
     "results._results": "Trajectories typed",
     "scenes": "axisymmetric=_axisymmetric scene_protocol=_scene",
-    "scenes._cell": "Cell STRESS_BY_BODIES STRESS_BY_CONTACTS STRESS_ON_WALLS",
+    "scenes._cell": "Cell",
+    "scenes._cell_flow": "STRESS_BY_BODIES STRESS_BY_CONTACTS STRESS_ON_WALLS",
     "scenes._scene": "PolymerParameters",
     "schemes": "scheme_estimate=_estimate scheme_protocol=_protocol",
     "schemes._estimate": (

@@ -24,7 +24,8 @@ from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
-from tisph.scenes._cell import LOADS, Cell, bodies_of, plane_walls, planes
+from tisph.scenes._cell import Cell, bodies_of, plane_walls, planes
+from tisph.scenes._cell_flow import LOADS
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
-from tisph.scenes._cell import STRESS_BY_BODIES, STRESS_ON_WALLS
+from tisph.scenes._cell_flow import STRESS_BY_BODIES, STRESS_ON_WALLS
 from tisph.studies import stability
 from tisph.studies.stability import BOTH_STRESSES, EXACT, FINER, FINISHED, FLAGGED, REFUSED, STABLE, Cell, Plan
 

@@ -53,6 +53,57 @@ class Placement:
 
 
 @dataclass(frozen=True)
+class BodyState(Placement):
+    """A ``body`` at one ``time``: its place, from which points and velocities of the wall follow.
+
+    A step finds the place once, and takes points, distances and velocities from it.
+    """
+
+    body: "Body"
+    time: float
+
+    def nearest(self, points: np.ndarray) -> ClosestPoint:
+        """Return the closest points of the wall to ``points``, on the nearest copy of the body."""
+        points, body = np.asarray(points, dtype=float), self.body
+        copy = body.nearest_copy(points - self.centre)
+        foot = self._foot(points, copy)
+        for offset in body.periodic_offsets() if body.shape.fluid_side == "outside" else ():
+            other = copy + offset
+            nearer = np.linalg.norm(points - self.centre - other, axis=1) - body.bounding_radius < foot.distance
+            if nearer.any():
+                its = self._foot(points[nearer], other[nearer])
+                better = its.distance < foot.distance[nearer]
+                rows = np.flatnonzero(nearer)[better]
+                for name in ("point", "normal", "curvature", "distance"):
+                    getattr(foot, name)[rows] = getattr(its, name)[better]
+        return foot
+
+    def _foot(self, points: np.ndarray, copy: np.ndarray) -> ClosestPoint:
+        """Return the closest points to ``points`` on the copies at offsets ``copy`` (n, 2) from the body."""
+        foot = self.body.shape.nearest(self.to_body_frame(points - copy))
+        point, normal = self.to_lab_frame(foot.point) + copy, self.rotated(foot.normal)
+        return ClosestPoint(point, normal, foot.curvature, foot.distance)
+
+    def placed(self, boundary: Boundary) -> Boundary:
+        """Return the points ``boundary`` of the shape in the lab frame."""
+        point, normal = self.to_lab_frame(boundary.point), self.rotated(boundary.normal)
+        return Boundary(point, normal, boundary.curvature, boundary.length)
+
+    def from_centre(self, points: np.ndarray) -> np.ndarray:
+        """Return the vectors to ``points`` from the centre of the nearest copy."""
+        away = np.asarray(points, dtype=float) - self.centre
+        return away - self.body.nearest_copy(away)
+
+    def velocity(self, points: np.ndarray) -> np.ndarray:
+        """Return the velocity of the solid at ``points``."""
+        return self.body.point_velocity(points, self)
+
+    def acceleration(self, points: np.ndarray) -> np.ndarray:
+        """Return the acceleration of the solid's material at ``points``, without jumps."""
+        return self.body.point_acceleration(points, self)
+
+
+@dataclass(frozen=True)
 class Body:
     """``shape`` with its origin at ``centre`` (2,), turned by ``angle`` at t = 0, and its ``motion``.
 
@@ -94,34 +145,14 @@ class Body:
         """Radius of a circle around the centre that contains the wall."""
         return float(np.linalg.norm(np.abs(self.shape.extent).max(axis=0)))
 
-    def at(self, time: float = 0.0) -> Placement:
-        """Return the place of the body, not wrapped into a periodic cell."""
-        motion = self.motion
-        return Placement(
-            self.centre + motion.displacement(time), self.angle + float(motion.rotation.displacement(time))
-        )
+    def at(self, time: float = 0.0) -> BodyState:
+        """Return the body at ``time``; its place is not wrapped into a periodic cell."""
+        displacement, angle = self.motion.travel(time)
+        return BodyState(self.centre + displacement, self.angle + angle, self, time)
 
     def nearest(self, points: np.ndarray, time: float = 0.0) -> ClosestPoint:
         """Return the closest points of the wall to ``points``, on the nearest copy of the body."""
-        points, place = np.asarray(points, dtype=float), self.at(time)
-        copy = self.nearest_copy(points - place.centre)
-        foot = self._foot(points, copy, place)
-        for offset in self.periodic_offsets() if self.shape.fluid_side == "outside" else ():
-            other = copy + offset
-            nearer = np.linalg.norm(points - place.centre - other, axis=1) - self.bounding_radius < foot.distance
-            if nearer.any():
-                its = self._foot(points[nearer], other[nearer], place)
-                better = its.distance < foot.distance[nearer]
-                rows = np.flatnonzero(nearer)[better]
-                for name in ("point", "normal", "curvature", "distance"):
-                    getattr(foot, name)[rows] = getattr(its, name)[better]
-        return foot
-
-    def _foot(self, points: np.ndarray, copy: np.ndarray, place: Placement) -> ClosestPoint:
-        """Return the closest points to ``points`` on the copies at offsets ``copy`` (n, 2) from the ``place``."""
-        foot = self.shape.nearest(place.to_body_frame(points - copy))
-        point, normal = place.to_lab_frame(foot.point) + copy, place.rotated(foot.normal)
-        return ClosestPoint(point, normal, foot.curvature, foot.distance)
+        return self.at(time).nearest(points)
 
     def images(self, points: np.ndarray, cutoff: float, time: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """Return mirror images (k, 2) of ``points`` within ``cutoff`` of the wall, and indices (k,) of the points."""
@@ -136,14 +167,16 @@ class Body:
 
     def placed(self, boundary: Boundary, time: float = 0.0) -> Boundary:
         """Return the points ``boundary`` of the shape in the lab frame."""
-        place = self.at(time)
-        point, normal = place.to_lab_frame(boundary.point), place.rotated(boundary.normal)
-        return Boundary(point, normal, boundary.curvature, boundary.length)
+        return self.at(time).placed(boundary)
 
     def velocity(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the velocity of the solid at ``points``."""
-        rotation = self.motion.rotation.velocity(time)
-        return self.motion.velocity(time) + rotation * _quarter(self._from_centre(points, time))
+        return self.at(time).velocity(points)
+
+    def point_velocity(self, points: np.ndarray, state: BodyState) -> np.ndarray:
+        """Return the velocity of the solid at ``points``, from the ``state`` of the body."""
+        velocity, rotation = self.motion.rates(state.time)
+        return velocity + rotation * _quarter(state.from_centre(points))
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the solid's velocity along ``tangents`` (n, 2) at ``points``."""
@@ -151,13 +184,13 @@ class Body:
 
     def acceleration(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the acceleration of the solid's material at ``points``, without jumps."""
-        rotation, from_centre = self.motion.rotation, self._from_centre(points, time)
+        return self.at(time).acceleration(points)
+
+    def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
+        """Return the acceleration of the solid's material at ``points``, from the ``state`` of the body."""
+        rotation, from_centre, time = self.motion.rotation, state.from_centre(points), state.time
         change = rotation.acceleration(time) * _quarter(from_centre) - rotation.velocity(time) ** 2 * from_centre
         return self.motion.acceleration(time) + change
-
-    def _from_centre(self, points: np.ndarray, time: float) -> np.ndarray:
-        away = np.asarray(points, dtype=float) - self.at(time).centre
-        return away - self.nearest_copy(away)
 
     def nearest_copy(self, away: np.ndarray) -> np.ndarray:
         """Return the offset (..., 2), whole periods, of the copy that is nearest to places ``away`` from the centre."""
@@ -193,23 +226,23 @@ class SlidingWall(Body):
         values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
         return np.stack([values, np.zeros(len(values))], axis=1)
 
-    def velocity(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """Return the velocity of the wall at ``points``."""
+    def point_velocity(self, points: np.ndarray, state: BodyState | None = None) -> np.ndarray:
+        """Return the velocity of the wall at ``points``, at any time."""
         return self.speed * self._along(points, self.profile)
 
     def departure_point(self, points: np.ndarray, elapsed: float) -> np.ndarray:
         """Return the places a time ``elapsed`` ago of the wall's material at ``points``: one step of Runge-Kutta."""
         start = np.asarray(points, dtype=float)
-        first = -elapsed * self.velocity(start)
-        second = -elapsed * self.velocity(start + 0.5 * first)
-        third = -elapsed * self.velocity(start + 0.5 * second)
-        return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third)) / 6.0
+        first = -elapsed * self.point_velocity(start)
+        second = -elapsed * self.point_velocity(start + 0.5 * first)
+        third = -elapsed * self.point_velocity(start + 0.5 * second)
+        return start + (first + 2.0 * (second + third) - elapsed * self.point_velocity(start + third)) / 6.0
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the wall's velocity along ``tangents`` (n, 2) at ``points``."""
         return self.speed / self.width * self._along(points, self.profile.deriv()) * tangents[:, :1]
 
-    def acceleration(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+    def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the acceleration of the wall's material at ``points``: u du/dx."""
         return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())
 

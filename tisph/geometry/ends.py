@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tisph.geometry.body import Body
+from tisph.geometry.body import Body, BodyState
 from tisph.geometry.line import Line
 
 LEAST_DISTANCE = 0.3
@@ -53,13 +53,13 @@ class Inlet(OpenEnd):
             values = values + (turning**order * np.exp(turning * time) * getattr(self.oscillation, part)(y)).real
         return values[:, None] * self.shape.normal
 
-    def velocity(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+    def point_velocity(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the velocity of the fluid at ``points``."""
-        return self._inwards("value", points, time)
+        return self._inwards("value", points, state.time)
 
-    def acceleration(self, points: np.ndarray, time: float = 0.0) -> np.ndarray:
+    def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the acceleration of the fluid at ``points``, of a flow that has been parallel upstream."""
-        return self._inwards("value", points, time, order=1)
+        return self._inwards("value", points, state.time, order=1)
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the velocity along ``tangents`` (n, 2) at ``points``."""

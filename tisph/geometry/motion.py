@@ -144,6 +144,14 @@ class OfComponents:
         """Return the displacement (2,) of the centre from t = 0 on."""
         return np.array([self.x.displacement(t), self.y.displacement(t)])
 
+    def travel(self, t: float) -> tuple[np.ndarray, float]:
+        """Return the displacement (2,) of the centre and the angle turned around it, from t = 0 on."""
+        return self.displacement(t), float(self.rotation.displacement(t))
+
+    def rates(self, t: float) -> tuple[np.ndarray, Any]:
+        """Return the velocity (2,) of the centre and the angular velocity at time ``t``."""
+        return self.velocity(t), self.rotation.velocity(t)
+
     def largest_speed(self, radius: float) -> float:
         """Return a bound of the speed of points within ``radius`` [length] of the centre."""
         around = radius * self.rotation.largest_speed if self.rotation.largest_speed else 0.0
@@ -476,6 +484,16 @@ class FreeMotion(OfComponents):
 
     def _powers(self, time: float) -> tuple[float, np.ndarray]:
         return (time - self.times[0]) / self.unit, np.arange(len(self.coefficients))
+
+    def travel(self, t: float) -> tuple[np.ndarray, float]:
+        """Return the displacement (2,) of the centre and the angle turned around it, from t = 0 on."""
+        found = self.way_at(t)
+        return found[:2], float(found[2])
+
+    def rates(self, t: float) -> tuple[np.ndarray, Any]:
+        """Return the velocity (2,) of the centre and the angular velocity at time ``t``."""
+        found = self.velocity_at(t)
+        return found[:2], found[2]
 
     def velocity_at(self, time: float) -> np.ndarray:
         """Return the velocities (3,) at ``time``; after the newest level they are the ``attempt``, if there is one."""

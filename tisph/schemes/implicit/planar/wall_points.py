@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.body import SlidingWall
+from tisph.geometry.body import BodyState, SlidingWall
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
 from tisph.geometry.shape import Boundary
 
@@ -78,6 +78,7 @@ class WallPoints:
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept_time = math.nan
         self._kept: list[Boundary] = []
+        self._kept_states: list[BodyState] = []
 
     def _outline(self, body: Any) -> Boundary:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
@@ -91,13 +92,13 @@ class WallPoints:
 
     def velocities(self, time: float) -> np.ndarray:
         """Return the velocities (count, 2) of the points at ``time``."""
-        pairs = zip(self.bodies, self._placed(time), strict=True)
-        return np.concatenate([body.velocity(boundary.point, time) for body, boundary in pairs])
+        pairs = zip(self.states(time), self._placed(time), strict=True)
+        return np.concatenate([state.velocity(boundary.point) for state, boundary in pairs])
 
     def acceleration(self, time: float) -> np.ndarray:
         """Return the accelerations (count, 2) of the points at ``time``."""
-        pairs = zip(self.bodies, self._placed(time), strict=True)
-        return np.concatenate([body.acceleration(boundary.point, time) for body, boundary in pairs])
+        pairs = zip(self.states(time), self._placed(time), strict=True)
+        return np.concatenate([state.acceleration(boundary.point) for state, boundary in pairs])
 
     def carried(self, values: np.ndarray, elapsed: np.ndarray, time: float) -> np.ndarray:
         """Return ``values`` (levels, numbers, count), each ``elapsed`` (levels,) ago, where the fluid came from.
@@ -152,8 +153,8 @@ class WallPoints:
         times the area of the cell (G. K. Batchelor, J. Fluid Mech. 41 (1970) 545-570).
         """
         force, result = self.length[:, None] * tractions, np.zeros((len(tractions), len(self.bodies), 4))
-        for number, (body, boundary) in enumerate(zip(self.bodies, self._placed(time), strict=True)):
-            arm, part = boundary.point - body.at(time).centre, force[:, self.parts[number]]
+        for number, (state, boundary) in enumerate(zip(self.states(time), self._placed(time), strict=True)):
+            arm, part = boundary.point - state.centre, force[:, self.parts[number]]
             result[:, number, :2] = part.sum(axis=1)
             along, across = arm[:, 0] * part[..., 1], arm[:, 1] * part[..., 0]
             result[:, number, 2] = (along - across).sum(axis=1)
@@ -164,9 +165,9 @@ class WallPoints:
         """Return the velocities (count * 2, 3 n) of the points by the velocities of n ``chosen`` bodies, sparse."""
         from scipy.sparse import csr_matrix
 
-        boundaries, entries = self._placed(time), []
+        boundaries, states, entries = self._placed(time), self.states(time), []
         for place, number in enumerate(chosen):
-            part, arm = self.parts[number], boundaries[number].point - self.bodies[number].at(time).centre
+            part, arm = self.parts[number], boundaries[number].point - states[number].centre
             rows, one = 2 * np.arange(part.start, part.stop), np.ones(len(arm))
             velocities = (0, 0, one), (1, 1, one), (0, 2, -arm[:, 1]), (1, 2, arm[:, 0])
             entries += [
@@ -183,8 +184,8 @@ class WallPoints:
         """Return the integrals (bodies,) of the squared distance from each body's centre along its surface."""
         return np.array(
             [
-                self.length[part] @ np.sum((boundary.point - body.at(time).centre) ** 2, axis=1)
-                for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True)
+                self.length[part] @ np.sum((boundary.point - state.centre) ** 2, axis=1)
+                for state, boundary, part in zip(self.states(time), self._placed(time), self.parts, strict=True)
             ]
         )
 
@@ -195,13 +196,19 @@ class WallPoints:
     def _placed(self, time: float) -> list[Boundary]:
         """Return the points by body at ``time``; the points of the last time are kept for further calls in a step."""
         if self._kept_time != time:
-            pairs = zip(self.bodies, self.outlines, strict=True)
-            self._kept_time, self._kept = time, [body.placed(outline, time) for body, outline in pairs]
+            self._kept_time, self._kept_states = time, [body.at(time) for body in self.bodies]
+            pairs = zip(self._kept_states, self.outlines, strict=True)
+            self._kept = [state.placed(outline) for state, outline in pairs]
         return self._kept
+
+    def states(self, time: float) -> list[BodyState]:
+        """Return the bodies at ``time``; free ones anew, since the end of a step corrects how they got there."""
+        self._placed(time)
+        return [body.at(time) if body.free else kept for body, kept in zip(self.bodies, self._kept_states, strict=True)]
 
     def distance(self, place: np.ndarray, time: float) -> np.ndarray:
         """Return the distances (n,) of positions (n, 2) from the nearest wall, negative outside the fluid."""
-        return np.min([body.nearest(place + self.origin, time).distance for body in self.bodies], axis=0)
+        return np.min([state.nearest(place + self.origin).distance for state in self.states(time)], axis=0)
 
     def nearest_walls(self, place: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.
@@ -214,8 +221,8 @@ class WallPoints:
         planes[:, len(self.bodies) :, 2] = -1e30
         curvatures = np.zeros((len(place), count))
         places = place + self.origin
-        for number, body in enumerate(self.bodies):
-            foot = body.nearest(places, time)
+        for number, (body, state) in enumerate(zip(self.bodies, self.states(time), strict=True)):
+            foot = state.nearest(places)
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
             planes[:, number, 2] = np.einsum("ni,ni->n", foot.point - self.origin, foot.normal)
             if isinstance(body, OpenEnd):  # particles keep this distance from it

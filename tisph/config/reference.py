@@ -31,7 +31,7 @@ FAMILIES = {
     "suspensions": "Suspensions: `bodies: {type: NAME, ...}`",
 }
 SAME_KEYS = {"suspensions": "bodies"}
-"""Families whose keys mean what those of another mean."""
+"""Families whose keys have the meanings of another family."""
 SIDES = re.compile(r"^(walls|ends)\.(top|bottom|inner|outer|left|right)\b")
 
 Entries = dict[str, FieldInfo]
@@ -59,7 +59,7 @@ def sections(scene: str) -> list[str]:
 
 
 def listing(scene: str | None = None, section: str | None = None) -> Iterator[str]:
-    """Yield lines of 100 columns about all keys, those of a ``scene``, or of a ``section`` of the scene."""
+    """Yield lines of 100 columns about all keys, about a ``scene``, or about a ``section`` of it."""
     shared, scenes = scene_keys()
     chosen = {"All scenes": shared}
     chosen |= {
@@ -88,7 +88,7 @@ def lines(entries: Entries, above: str = "") -> Iterator[str]:
 
 
 def families(field: FieldInfo) -> Iterator[str]:
-    """Yield the names of the families of which a field, or an item of its list, is a member."""
+    """Yield the names of the families of a field, or of an item of its list."""
     yield from (one.family for one in field.metadata if isinstance(one, Member))
     waiting = list(typing.get_args(field.annotation))
     for each in waiting:
@@ -97,7 +97,7 @@ def families(field: FieldInfo) -> Iterator[str]:
 
 
 def about(scene: str) -> str:
-    """Return sentences: what the resolution counts in a scene, and by what its movie may be coloured."""
+    """Return sentences about the meaning of the resolution in a scene, and about the colours of its movie."""
     model = registry.load("scenes", scene).Config
     texts = [f"`discretisation.particles_across` counts the particles across {model.across_name}."]
     optional = "bodies" in model.model_fields and not model.model_fields["bodies"].is_required()
@@ -114,7 +114,7 @@ def about(scene: str) -> str:
 
 
 def colours(scene: str, law: str, bodies: tuple = (), **given: Any) -> list[str]:
-    """Return what ``output.video.color_by`` may be in a scene with a fluid law; ``given``: other keys of its config."""
+    """Return values of ``output.video.color_by`` for a scene and a fluid law; ``given``: other keys of its config."""
     fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
     given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
     return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
@@ -160,7 +160,7 @@ def fields(model: type[Model], above: str = "") -> Iterator[tuple[str, FieldInfo
 
 
 def added_keys(annotation: Any) -> Entries:
-    """Return the keys that items of a list of members have beside those of the members themselves."""
+    """Return the keys of items of a list of members that the members themselves do not have."""
     found: Entries = {}
     for each in typing.get_args(annotation):
         for member in (one for one in getattr(each, "__metadata__", ()) if isinstance(one, Member)):

@@ -1,4 +1,4 @@
-"""A cell with bodies, periodic or between walls: its bodies from a config, what a config may not have, and its views.
+"""A cell with bodies, periodic or between walls: its bodies from a config, the errors of a config, and its views.
 
 ``Cell`` is the scene of a lattice, of a channel with bodies and of a planar region. It records forces and torques on
 the bodies, motions of free bodies, mean velocities, and the mean shear stress of a sheared suspension.

@@ -1,7 +1,7 @@
-"""What a run will take and whether its result will be worth it, before it runs: numbers, warnings, text.
+"""Forecast of a run from its config: numbers, warnings, and the text of ``tisph check``.
 
 Steps, errors and seconds of the steps are estimates of the scheme (``_estimate.py``). Here stand the limits beyond
-which runs were found to fail, and what is said about a config that is beyond one.
+which runs were found to fail, with a warning for each.
 """
 
 import math

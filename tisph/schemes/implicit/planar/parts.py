@@ -136,7 +136,7 @@ class Boundary:
         """Return to the state before the first step."""
 
     def undo(self) -> None:
-        """Take back what an attempt that was rejected has changed."""
+        """Take back the changes of an attempt that was rejected."""
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Predict particles and bodies at the end of a step ``dt``, at ``time``; return False where bodies overlap."""

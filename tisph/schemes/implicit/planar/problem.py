@@ -1,4 +1,4 @@
-"""What the scheme of two-dimensional flow solves: a box, a fluid, scales, and the walls in the box. Nothing changes."""
+"""The problem of two-dimensional flow: a box, a fluid, scales, and the walls in the box. It does not change."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,10 @@
 """The page of keys, a page of the site: the reference of ``tisph keys`` (``tisph.config.reference``) as tables."""
 
+from types import SimpleNamespace
+
 from tisph import registry
-from tisph.config.reference import FAMILIES, MEANINGS, about, member_keys, rows, scene_keys, summary
+from tisph.config import checks
+from tisph.config.reference import FAMILIES, MEANINGS, code, member_keys, rows, scene_keys, summary
 from tisph.studies import sweep
 
 WITHOUT_KEYS = {
@@ -45,6 +48,41 @@ def study_table():
     head = "\n## File of a sweep: `tisph sweep STUDY.yaml`\n\n| key | meaning | default |\n|---|---|---|\n"
     lines = [(key.partition("/")[2], MEANINGS[key]) for key in study_keys()]
     return head + "".join(f"| `{key}` | {meaning} | {' '.join(said)} |\n" for key, (meaning, _, *said) in lines)
+
+
+def about(scene):
+    """Return sentences about the meaning of the resolution in a scene, and about the colours of its movie."""
+    model = registry.load("scenes", scene).Config
+    texts = [f"`discretisation.particles_across` counts the particles across {model.across_name}."]
+    optional = "bodies" in model.model_fields and not model.model_fields["bodies"].is_required()
+    plain = {name: colours(scene, name) for name in registry.names("rheology")}
+    with_bodies = {name: colours(scene, name, bodies=(None,)) for name in plain}
+    if optional and plain != with_bodies:
+        cases = [("without bodies ", plain), ("with bodies ", with_bodies)]
+    else:
+        cases = [("", with_bodies)]
+    if "coordinates" in model.model_fields:
+        around = {name: colours(scene, name, coordinates="axisymmetric") for name in plain}
+        cases.append(("with `coordinates: axisymmetric` ", around))
+    return " ".join([*texts, *(colour_text(words, by_law) for words, by_law in cases)])
+
+
+def colours(scene, law, bodies=(), **given):
+    """Return values of ``output.video.color_by`` for a scene and a fluid law; ``given``: other keys of its config."""
+    fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
+    given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
+    return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
+
+
+def colour_text(words, by_law):
+    """Return the colours of all laws, and those that some laws add, in one or two sentences."""
+    shared = [name for name in by_law["oldroyd_b"] if all(name in names for names in by_law.values())]
+    added = {}
+    for law, names in by_law.items():
+        added.setdefault(tuple(name for name in names if name not in shared), []).append(law)
+    more = "; ".join(f"with {code(laws)} also {code(names)}" for names, laws in added.items() if names)
+    text = f"A movie {words}can show (`output.video.color_by`) {code(shared)}"
+    return f"{text}; {more}." if more else f"{text}."
 
 
 def table(entries, above=""):

@@ -204,13 +204,13 @@ def test_colours_are_those_that_configs_may_have():
     assert {scene for scene, *_ in seen} == set(registry.names("scenes"))
     for (scene, law, *_), (one, bodies) in seen.items():
         given = {"coordinates": one.coordinates} if scene == "region" else {}
-        assert reference.colours(scene, law, bodies, **given) == checks.colours(one), (scene, law)
+        assert page_of_keys.colours(scene, law, bodies, **given) == checks.colours(one), (scene, law)
 
 
 def test_page_names_the_colours_of_each_scene():
     for scene in registry.names("scenes"):
-        text, laws = reference.about(scene), registry.names("rheology")
-        for name in {name for law in laws for name in reference.colours(scene, law, bodies=(None,))}:
+        text, laws = page_of_keys.about(scene), registry.names("rheology")
+        for name in {name for law in laws for name in page_of_keys.colours(scene, law, bodies=(None,))}:
             assert f"`{name}`" in text, (scene, name)
 
 

@@ -136,6 +136,6 @@ def keys(
     names = registry.names("scenes")
     if scene not in (None, *names):
         raise ConfigError(f"SCENE {scene!r}: must be one of {', '.join(names)}{nearest(scene, names)}")
-    if scene and section and section not in (sections := reference.sections(scene)):
+    if scene is not None and section is not None and section not in (sections := reference.sections(scene)):
         raise ConfigError(f"SECTION {section!r}: must be one of {', '.join(sections)}{nearest(section, sections)}")
     print("\n".join(reference.listing(scene, section)).lstrip())

@@ -10,14 +10,12 @@ import textwrap
 import typing
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from tisph import registry
-from tisph.config import checks
 from tisph.config.base import LARGEST, SMALLEST, Model
 from tisph.config.fields import Member
 from tisph.config.yaml_text import parse
@@ -94,41 +92,6 @@ def families(field: FieldInfo) -> Iterator[str]:
     for each in waiting:
         yield from (one.family for one in getattr(each, "__metadata__", ()) if isinstance(one, Member))
         waiting += typing.get_args(each)
-
-
-def about(scene: str) -> str:
-    """Return sentences about the meaning of the resolution in a scene, and about the colours of its movie."""
-    model = registry.load("scenes", scene).Config
-    texts = [f"`discretisation.particles_across` counts the particles across {model.across_name}."]
-    optional = "bodies" in model.model_fields and not model.model_fields["bodies"].is_required()
-    plain = {name: colours(scene, name) for name in registry.names("rheology")}
-    with_bodies = {name: colours(scene, name, bodies=(None,)) for name in plain}
-    if optional and plain != with_bodies:
-        cases = [("without bodies ", plain), ("with bodies ", with_bodies)]
-    else:
-        cases = [("", with_bodies)]
-    if "coordinates" in model.model_fields:
-        around = {name: colours(scene, name, coordinates="axisymmetric") for name in plain}
-        cases.append(("with `coordinates: axisymmetric` ", around))
-    return " ".join([*texts, *(colour_text(words, by_law) for words, by_law in cases)])
-
-
-def colours(scene: str, law: str, bodies: tuple = (), **given: Any) -> list[str]:
-    """Return values of ``output.video.color_by`` for a scene and a fluid law; ``given``: other keys of its config."""
-    fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
-    given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
-    return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
-
-
-def colour_text(words: str, by_law: dict[str, list[str]]) -> str:
-    """Return the colours of all laws, and those that some laws add, in one or two sentences."""
-    shared = [name for name in by_law["oldroyd_b"] if all(name in names for names in by_law.values())]
-    added: dict[tuple[str, ...], list[str]] = {}
-    for law, names in by_law.items():
-        added.setdefault(tuple(name for name in names if name not in shared), []).append(law)
-    more = "; ".join(f"with {code(laws)} also {code(names)}" for names, laws in added.items() if names)
-    text = f"A movie {words}can show (`output.video.color_by`) {code(shared)}"
-    return f"{text}; {more}." if more else f"{text}."
 
 
 def code(names: Iterable[str]) -> str:

@@ -226,17 +226,17 @@ class SlidingWall(Body):
         values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
         return np.stack([values, np.zeros(len(values))], axis=1)
 
-    def point_velocity(self, points: np.ndarray, state: BodyState | None = None) -> np.ndarray:
+    def point_velocity(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the velocity of the wall at ``points``, at any time."""
         return self.speed * self._along(points, self.profile)
 
     def departure_point(self, points: np.ndarray, elapsed: float) -> np.ndarray:
         """Return the places a time ``elapsed`` ago of the wall's material at ``points``: one step of Runge-Kutta."""
         start = np.asarray(points, dtype=float)
-        first = -elapsed * self.point_velocity(start)
-        second = -elapsed * self.point_velocity(start + 0.5 * first)
-        third = -elapsed * self.point_velocity(start + 0.5 * second)
-        return start + (first + 2.0 * (second + third) - elapsed * self.point_velocity(start + third)) / 6.0
+        first = -elapsed * self.velocity(start)
+        second = -elapsed * self.velocity(start + 0.5 * first)
+        third = -elapsed * self.velocity(start + 0.5 * second)
+        return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third)) / 6.0
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the wall's velocity along ``tangents`` (n, 2) at ``points``."""

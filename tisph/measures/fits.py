@@ -46,11 +46,16 @@ ACROSS = 4, 9
 
 def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     """Return positions and velocities (n, 2) of the particles, then of points on walls and inlets a spacing apart."""
-    bodies = [body for body in scene.seen(snapshot).bodies if not isinstance(body, Outlet)]
-    points = [body.boundary_points(scene.spacing, snapshot.t).point for body in bodies]
-    walls = [body.velocity(positions, snapshot.t) for body, positions in zip(bodies, points, strict=True)]
+    walls = _walls(scene.seen(snapshot), snapshot.t)
+    velocities = [body.velocity(points, snapshot.t) for body, points in walls]
     positions, velocity = _particles(snapshot)
-    return np.concatenate([positions, *points]), np.concatenate([velocity, *walls])
+    return np.concatenate([positions, *(points for _, points in walls)]), np.concatenate([velocity, *velocities])
+
+
+def _walls(scene: Any, t: float) -> list[tuple[Any, np.ndarray]]:
+    """Return the bodies of known velocity, all but outlets, each with points (n, 2) on it a spacing apart."""
+    bodies = (body for body in scene.bodies if not isinstance(body, Outlet))
+    return [(body, body.boundary_points(scene.spacing, t).point) for body in bodies]
 
 
 def _particles(snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
@@ -283,8 +288,7 @@ def section_mean(scene: Any, snapshot: Snapshot, place: float, degree: int = 4) 
     chosen = near(snapshot.x.astype(float))
     positions = [np.stack([snapshot.x[chosen], snapshot.y[chosen]], axis=1).astype(float)]
     velocity = [snapshot.u[chosen, None].astype(float)]
-    for body in scene.bodies:
-        points = body.boundary_points(scene.spacing, t).point
+    for body, points in _walls(scene, t):
         points = points[near(points[:, 0])]
         if len(points):
             positions.append(points)

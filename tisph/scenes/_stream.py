@@ -274,7 +274,7 @@ class Stream(Cell):
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
         return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
 
-    @property
+    @cached_property
     def _jumps(self) -> bool:
         """Whether the velocity of the inlet jumps at a wall: pressure and stress are then infinite at that corner."""
         return bool(np.abs(self.inlet.profile.value(self.inlet.shape.extent[:, 1])).max() > 1e-9)
@@ -391,9 +391,11 @@ class Stream(Cell):
         walls = [] if self._jumps else [name for name, _ in self._walls]
         chosen = self.names[: self.count] or walls
         forces = [f"{kind}{name}" for name in chosen for kind in LOADS[:2]]
-        flows = ["inflow", "outflow", "pressure_drop"][: 2 if self._jumps else 3]
         force, speed = self.force_scale, self.reference_velocity
-        rate = speed * self.inlet.shape.length
+        through = speed * self.inlet.shape.length, "flow rate per length", "planar_flow_rate"
+        flows = {"inflow": through, "outflow": through}
+        if not self._jumps:
+            flows["pressure_drop"] = self.density * speed**2, "pressure drop", "stress"
 
         def measure(snapshot: Snapshot) -> np.ndarray:
             found = {**self.loads(snapshot), **self.velocities(snapshot)}
@@ -407,11 +409,10 @@ class Stream(Cell):
             columns=[*forces, *flows],
             labels=[*((name.replace("_", " "), None) for name in (*forces, *flows))],
             measure=measure,
-            sizes=[*(force for _ in forces), *[rate, rate, self.density * speed**2][: len(flows)]],
+            sizes=[*(force for _ in forces), *(size for size, _, _ in flows.values())],
             panels=[
                 *((f"{name.partition('_')[0]} per length", "force") for name in forces),
-                *2 * [("flow rate per length", "planar_flow_rate")],
-                *[("pressure drop", "stress")][: len(flows) - 2],
+                *((name, unit) for _, name, unit in flows.values()),
             ],
         )
 

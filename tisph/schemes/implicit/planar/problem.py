@@ -124,38 +124,35 @@ def _factors(radius: np.ndarray) -> np.ndarray:
 
 def problem_of(scene: Any) -> Problem:
     """Return the box and the fluid of a scene, and its walls."""
-    fluid = {
-        "n_fluid": scene.particles,
-        "density": scene.density,
-        "kinematic_viscosity": scene.kinematic_viscosity,
-        "reference_velocity": scene.reference_velocity,
-        "start_time": scene.start_time,
-        "inertia": scene.inertia,
-        "rheology": scene.rheology,
-        "initial_conformation_excess": scene.initial_conformation_excess,
-        "initial_velocity": scene.initial_velocity,
-        "has_own_start": scene.has_own_start,
-        "body_force": scene.body_force,
-        "conformation_source": scene.conformation_source,
-        "jump_times": scene.jump_times,
-        "axisymmetric": scene.axisymmetric,
-        "annular": scene.axisymmetric and scene.origin[1] > 0.0,
-        "swirls": scene.swirls,
-        "kept_mean_velocity": scene.kept_mean_velocity,
-        "section_weights": partial(section_weights, scene),
-    }
-    if not scene.bodies:
-        return Problem(columns=scene.columns, rows=scene.rows, spacing=scene.spacing, **fluid)
-    corners = scene.origin, np.add(scene.origin, scene.extent)
-    least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
-    margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
-    box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
-    walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
+    box, walls = Box(columns=scene.columns, rows=scene.rows, spacing=scene.spacing), None
+    if scene.bodies:
+        corners = scene.origin, np.add(scene.origin, scene.extent)
+        least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
+        margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
+        box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
+        walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
     return Problem(
-        walls=walls,
-        corners=scene.corners,
-        contact=scene.contact,
-        acceleration=(scene.acceleration, 0.0),
         **vars(box),
-        **fluid,
+        n_fluid=scene.particles,
+        density=scene.density,
+        kinematic_viscosity=scene.kinematic_viscosity,
+        reference_velocity=scene.reference_velocity,
+        start_time=scene.start_time,
+        inertia=scene.inertia,
+        walls=walls,
+        acceleration=(scene.acceleration if scene.bodies else 0.0, 0.0),
+        corners=scene.corners,
+        rheology=scene.rheology,
+        initial_conformation_excess=scene.initial_conformation_excess,
+        initial_velocity=scene.initial_velocity,
+        has_own_start=scene.has_own_start,
+        body_force=scene.body_force,
+        conformation_source=scene.conformation_source,
+        swirls=scene.swirls,
+        contact=scene.contact,
+        jump_times=scene.jump_times,
+        axisymmetric=scene.axisymmetric,
+        annular=scene.axisymmetric and scene.origin[1] > 0.0,
+        kept_mean_velocity=scene.kept_mean_velocity,
+        section_weights=partial(section_weights, scene),
     )

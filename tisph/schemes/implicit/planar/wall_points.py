@@ -208,7 +208,7 @@ class WallPoints:
 
     def distance(self, place: np.ndarray, time: float) -> np.ndarray:
         """Return the distances (n,) of positions (n, 2) from the nearest wall, negative outside the fluid."""
-        return np.min([state.nearest(place + self.origin).distance for state in self.states(time)], axis=0)
+        return np.min([body.nearest(place + self.origin, time).distance for body in self.bodies], axis=0)
 
     def nearest_walls(self, place: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.

@@ -9,6 +9,7 @@ from mkdocs.structure.files import File
 sys.path.insert(0, str(Path(__file__).parent))
 
 import _command_line
+import _files
 import _formulas
 import _gallery
 import _reference
@@ -25,7 +26,7 @@ def on_files(files, config):
     for folder, patterns in FOLDERS.items():
         for path in sorted(path for pattern in patterns for path in (ROOT / folder).glob(pattern)):
             files.append(File.generated(config, f"{folder}/{path.name}", abs_src_path=str(path)))
-    for name, page in {**_reference.PAGES, **_command_line.PAGES}.items():
+    for name, page in {**_reference.PAGES, **_command_line.PAGES, **_files.PAGES}.items():
         files.remove(files.get_file_from_path(name))  # the page of a clone, which says where to read instead
         files.append(File.generated(config, name, content=page()))
     return _tutorials.add(_gallery.add(files, config), config)

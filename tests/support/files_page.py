@@ -1,17 +1,15 @@
-"""Short runs, and which names of their files docs/reference/files.md does not have."""
+"""Short runs, and which names of their files the page of files does not have."""
 
 import re
-from pathlib import Path
 
+import _files
 import pytest
 
 import tisph
 from tisph import simulation
 from tisph.config import loader
 
-ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
-NAMED = {re.split(r"[/=(]", name)[0] for name in re.findall(r"`([^`\n]+)`", PAGE)}
+NAMED = {re.split(r"[/=(]", name)[0] for name in re.findall(r"`([^`\n]+)`", _files.files_page())}
 
 
 def run(config, folder, **changes):

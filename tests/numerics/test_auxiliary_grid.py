@@ -56,14 +56,9 @@ def test_grid_is_made_anew_where_walls_have_moved_a_spacing(way, anew, monkeypat
     walls, made = scheme.boundary, []
     monkeypatch.setattr(walls, "set_grid", made.append)
     spacing = scheme.problem.spacing
-    monkeypatch.setattr(walls.walls, "at", lambda time: (*place(walls), walls.normals * 2.0))
+    monkeypatch.setattr(walls.walls, "velocities", lambda time: walls.normals * 2.0)
     walls.move(walls.grid_time + 0.5 * way * spacing)
     assert bool(made) == anew
-
-
-def place(walls):
-    """Positions and normals of the points, as they are."""
-    return view(walls.points.position)[walls.slots], walls.normals
 
 
 def test_cylinders_that_turn_keep_their_grid():

@@ -98,7 +98,7 @@ BETWEEN = [pytest.param(density, marks=pytest.mark.slow) for density in (0.1, 0.
 @pytest.mark.parametrize("density", [0.0, *BETWEEN, 2.0, 1000.0])
 def test_first_acceleration_of_a_released_body_is_that_of_potential_flow(density):
     _, scheme = ended(changed(CELL, density=density), 1e-6)
-    motion = scheme.boundary.free.motions[0]
+    motion = scheme.boundary.parts[0].bodies.motions[0]
     exact = (1.0 - density) / (density + added_mass(math.pi * 0.15**2))
     assert motion.change[1] == pytest.approx(exact, rel=5e-3)
     assert abs(motion.change[0]) < 1e-3 * abs(exact)
@@ -115,7 +115,7 @@ def test_first_acceleration_is_found_however_exactly_the_pressure_is_solved():
         **{"discretisation": {"particles_across": 48}, "scheme": {"type": "implicit"}, "time": CELL["time"]},
     }
     _, scheme = ended(config, 1e-6)
-    acceleration = scheme.boundary.free.motions[0].change / 16.3098593171
+    acceleration = scheme.boundary.parts[0].bodies.motions[0].change / 16.3098593171
     assert 0.7 < acceleration[1] < 1.0  # 1 without the walls, which hinder the flow around it
     assert abs(acceleration[0]) < 1e-3
 
@@ -154,7 +154,7 @@ def test_force_that_is_reported_is_the_one_that_moves_a_body():
     config = {**changed(CELL, density=2.0, force=[0.3, 0.0]), "fluid": {"density": 1.0, "kinematic_viscosity": 0.1}}
     bodies, scheme = ended({**config, "time": {"end": 0.05, "samples": [0.05]}})
     mass = 2.0 * math.pi * 0.15**2
-    motion = scheme.boundary.free.motions[0]
+    motion = scheme.boundary.parts[0].bodies.motions[0]
     load = [0.3, -0.5 * mass]  # from outside, and weight less buoyancy
     # to which velocities are found, times what multiplies the newest in the acceleration
     rounding = RESIDUAL * scheme.tolerance * scheme.error_speed * 2.0 * mass / scheme.dts[0]
@@ -169,7 +169,7 @@ def test_bodies_pushed_together_touch_and_are_counted():
     fluid = {"density": 1.0, "kinematic_viscosity": 0.1}
     longer = {"end": 0.4, "samples": [0.4]}
     _, scheme = ended({**CELL, "fluid": fluid, "bodies": pair, "drive": {}, "time": longer})
-    free = scheme.boundary.free
+    free = scheme.boundary.parts[0].bodies
     assert free.contact.count == 1
     assert free.contact.largest > 0.0
     assert min(free.gaps.values()) > 0.0

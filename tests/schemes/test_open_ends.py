@@ -118,7 +118,9 @@ def test_pressure_does_not_scatter_behind_a_blunt_inlet(length, courant):
             simulation.step()
             if simulation.time > 0.6:
                 pressure = view(levels.fields)[boundary.slots, levels.first_pressure].astype(float)
-                drops.append(pressure[boundary.of_inlets].mean() - pressure[boundary.of_outlet].mean())
+                drops.append(
+                    pressure[boundary.parts[-1].of_inlets].mean() - pressure[boundary.parts[-1].of_outlet].mean()
+                )
     middle = np.array(drops[1:-1]) - 0.5 * (np.array(drops[:-2]) + drops[2:])
     # 0.010 and 0.018 of the mean, since the layer of the inlet is 2.7 spacings thin here; 0.20 to 0.27 without control
     assert middle.std() / np.sqrt(1.5) < 0.03 * np.mean(drops)
@@ -175,7 +177,7 @@ def test_faults_of_the_flow_through_ends_are_said():
             boundary.positions[: simulation.scheme.problem.n_fluid, 0] < simulation.scheme.problem.open_ends[0] + 1.0
         )
         view(levels.divergence)[: len(inner)] = 0.1 * inner
-        boundary.measure_parts()
+        boundary.parts[-1].measure_parts()
         # in the half that is as long as the inlet is wide; over the channel it is 2^(1/2) smaller. Of 144 particles
         assert boundary.residual(0.0) == pytest.approx(0.1 / np.sqrt(12.0), rel=0.05)
 
@@ -191,7 +193,10 @@ def test_particles_pass_evenly_and_as_many_as_flow_in():
             if simulation.time > 1.0:
                 counts, steps = counts + np.histogram(simulation.state.x, columns)[0], steps + 1
         boundary = simulation.scheme.boundary
-        entered, due = boundary.passages.sum(), boundary.due.sum() - 0.5 * len(boundary.due)  # at first half a particle
+        entered, due = (
+            boundary.parts[-1].passages.sum(),
+            boundary.parts[-1].due.sum() - 0.5 * len(boundary.parts[-1].due),
+        )  # at first half a particle
     middles = (np.arange(12) + 0.5) / 12
     assert entered + due == pytest.approx(5.0 * parabola(middles).sum() / 12 / scene.spacing**2, rel=1e-9)  # rounding
     density = counts / steps * scene.spacing**2 / (columns[1] * 1.0)
@@ -217,7 +222,7 @@ def test_a_run_continues_from_a_checkpoint_to_the_bit(tmp_path):
         taken(simulation, 60)
         simulation.save(tmp_path / "state.h5")
         whole = taken(simulation, 20)
-        assert simulation.scheme.boundary.passages.sum() > 0
+        assert simulation.scheme.boundary.parts[-1].passages.sum() > 0
     with tisph.Simulation.restore(tmp_path / "state.h5") as simulation:
         resumed = taken(simulation, 20)
     for each in fields(Snapshot):
@@ -228,20 +233,20 @@ def test_a_run_continues_from_a_checkpoint_to_the_bit(tmp_path):
 
 def test_a_rejected_step_leaves_no_trace():
     with tisph.Simulation(CHANNEL) as simulation:
-        while not (simulation.finished or simulation.scheme.boundary.passages.any()):
+        while not (simulation.finished or simulation.scheme.boundary.parts[-1].passages.any()):
             simulation.step()
         scheme, boundary = simulation.scheme, simulation.scheme.boundary
         fluid = slice(scheme.problem.n_fluid)
-        before = [view(field)[fluid].copy() for field in boundary.carried_fields]
-        due, passages = boundary.due.copy(), boundary.passages.copy()
+        before = [view(field)[fluid].copy() for field in boundary.parts[-1].carried_fields]
+        due, passages = boundary.parts[-1].due.copy(), boundary.parts[-1].passages.copy()
         scheme.attempt(0.05)  # in which the fastest fluid passes half a spacing
-        assert len(boundary.replaced[0])
-        boundary.undo()
-        after = [view(field)[fluid] for field in boundary.carried_fields]
+        assert len(boundary.parts[-1].replaced[0])
+        boundary.reject()
+        after = [view(field)[fluid] for field in boundary.parts[-1].carried_fields]
         for one, other in zip(before, after, strict=True):
             np.testing.assert_array_equal(one, other)
-        np.testing.assert_array_equal(due, boundary.due)
-        np.testing.assert_array_equal(passages, boundary.passages)
+        np.testing.assert_array_equal(due, boundary.parts[-1].due)
+        np.testing.assert_array_equal(passages, boundary.parts[-1].passages)
 
 
 def test_overdue_inflow_takes_the_particle_that_leaves_next():
@@ -257,10 +262,10 @@ def test_overdue_inflow_takes_the_particle_that_leaves_next():
             if away.min() < 0.3:
                 continue
             next_one = np.argmin((away - 0.3) / velocity)
-            boundary.due[...] = 0.0
-            boundary.due[3] = 1.5
-            boundary.exchange(0.0, simulation.time)
-            np.testing.assert_array_equal(boundary.replaced[0], [next_one] if away[next_one] < 1.3 else [])
+            boundary.parts[-1].due[...] = 0.0
+            boundary.parts[-1].due[3] = 1.5
+            boundary.parts[-1].exchange(0.0, simulation.time)
+            np.testing.assert_array_equal(boundary.parts[-1].replaced[0], [next_one] if away[next_one] < 1.3 else [])
             nearest_too.append(next_one == np.argmin(away))
         assert not all(nearest_too)
 
@@ -301,9 +306,9 @@ def test_the_outlets_rows_are_exact_for_a_polynomial_of_degree_4():
         taken(simulation, 2)
         scheme, boundary, points = simulation.scheme, simulation.scheme.boundary, simulation.scheme.problem.particles
         scheme.attempt(scheme.control.dt_next)  # operators at the places of the end of a step
-        velocity, at_outlet = scheme.equations.velocity, slice(boundary.first, points)
+        velocity, at_outlet = scheme.equations.velocity, slice(boundary.parts[-1].first, points)
         x, y = boundary.positions.T
-        x = x - x[boundary.first]
+        x = x - x[boundary.parts[-1].first]
         slope = 2.0 - 2.0 * y + 3.0 * y**2
         u = 1.0 - 2.0 * y + 4.0 * y**3 + slope * x + 2.0 * y * x**3
         v = -(2.0 * y - y**2 + y**3 + 3.0 * y**2 * x**2)

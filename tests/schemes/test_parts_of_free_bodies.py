@@ -39,6 +39,7 @@ def scheme(tmp_path_factory):
 def test_in_a_closing_gap_a_point_has_the_mean_pressure_around(scheme):
     """By halves where the other wall is 3/4 of a spacing away. The mean is of all within 2.5 spacings."""
     boundary, problem, points = scheme.boundary, scheme.problem, scheme.points
+    (free,) = boundary.parts
     walls, distances = np.arange(problem.n_fluid, problem.particles), np.full((problem.particles, 2), 10.0)
     distances[: problem.n_fluid] = 0.95
     distances[0], distances[walls, 0] = [0.9, 1.11], 0.0
@@ -52,25 +53,25 @@ def test_in_a_closing_gap_a_point_has_the_mean_pressure_around(scheme):
     rows, pressures = {}, {}
     for away, part in ((1.2, 0.0), (1.0, 0.0), (0.75, 0.5), (0.5, 1.0), (0.1, 1.0)):
         distances[walls, 1] = away
-        boundary.close_gaps(problem.spacing * distances)
-        assert view(boundary.continued)[walls] == pytest.approx(part, abs=1e-12)
+        free.approach(problem.spacing * distances)
+        assert view(free.continued)[walls] == pytest.approx(part, abs=1e-12)
         boundary.set_neumann_rows()
         rows[part] = np.where(listed, view(scheme.operators.laplacian)[entries], 0.0)
         boundary.add_normal_momentum(scheme.equations, 0.01, 1.5, 1.0)
         pressures[part] = view(scheme.equations.pressure.b)[walls].copy()
-        assert boundary.open_parts()[0] == pytest.approx(1.0 - part, abs=1e-12)
+        assert boundary.stokes_rows().open_walls == pytest.approx(1.0 - part, abs=1e-12)
     assert rows[1.0] * problem.spacing**2 == pytest.approx(mean, abs=1e-9)
     assert rows[0.5] == pytest.approx(0.5 * (rows[0.0] + rows[1.0]), rel=1e-9, abs=1e-9)
     assert view(scheme.operators.diagonal)[walls] == pytest.approx(-rows[1.0].sum(axis=1), rel=1e-9)
     assert np.abs(pressures[0.0]).max() > 1.0
     assert pressures[0.5] == pytest.approx(0.5 * pressures[0.0], rel=1e-12)
     assert (pressures[1.0] == 0.0).all()
-    closed = boundary.open_parts()[1] == 0.0  # both walls within two spacings together
+    closed = boundary.stokes_rows().open_fluid == 0.0  # both walls within two spacings together
     assert closed.tolist() == [False] + [True] * (problem.n_fluid - 1)
 
 
 def test_after_a_jump_bodies_have_the_newest_velocity_alone(scheme):
-    boundary, motion = scheme.boundary, scheme.boundary.free.motions[0]
+    boundary, motion = scheme.boundary, scheme.boundary.parts[0].bodies.motions[0]
     newest = motion.velocities[0].copy()
     for after in (boundary.forget, lambda: boundary.jump(scheme.time)):
         motion.times, motion.velocities = [3.0, 2.0, 1.0], [newest, newest + 1.0, newest - 1.0]
@@ -80,7 +81,7 @@ def test_after_a_jump_bodies_have_the_newest_velocity_alone(scheme):
 
 def test_an_acceleration_pulls_bodies_by_what_they_displace(scheme, monkeypatch):
     """Per unit density of the fluid, in addition to forces from outside."""
-    free = scheme.boundary.free
+    free = scheme.boundary.parts[0].bodies
     motion = free.motions[0]
     before = free.load[0].copy()
     assert before == pytest.approx([0.7 / 2.0, -0.2 / 2.0, 0.0])
@@ -98,7 +99,7 @@ def test_bodies_find_the_velocities_of_a_linear_problem(scheme, curls, most):
 
     Curls at walls that follow from the velocities are further unknowns, more than the differences that are kept.
     """
-    free, draw = scheme.boundary.free, np.random.default_rng(4).normal
+    free, draw = scheme.boundary.parts[0].bodies, np.random.default_rng(4).normal
     matrix, exact, given = np.eye(3) + 0.3 * draw(size=(3, 3)), draw(size=3), np.zeros(curls)
     coupled = 0.3 * draw(size=(3, curls))
     free.begin(np.zeros((1, 3)), np.full((1, 3), 2.0))

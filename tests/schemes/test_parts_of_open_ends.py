@@ -42,9 +42,9 @@ def test_the_kept_divergence_is_that_at_the_places_before(scheme):
     slopes, step = np.array([[0.3, -1.1], [0.7, 0.4]]), 0.2
     view(levels.fields)[:points, :2] = boundary.positions @ slopes.T
     view(levels.step_weights)[...] = [step, 0.0, 0.0, 0.0]
-    boundary.measure_kept_divergence()
+    boundary.parts[0].measure_kept_divergence()
     exact = np.trace(slopes @ np.linalg.inv(np.eye(2) - step * slopes))
-    assert view(boundary.divergence)[: scheme.problem.n_fluid] == pytest.approx(
+    assert view(boundary.parts[0].divergence)[: scheme.problem.n_fluid] == pytest.approx(
         exact, rel=1e-9
     )  # rounding in operators
 
@@ -58,9 +58,9 @@ def test_a_particle_enters_where_most_room_is(scheme):
     nearest, deepest = LEAST_DISTANCE, LEAST_DISTANCE + 0.9
     corner = (deepest * way, 0.4)
     for others, expected in (((nearest * way, -0.4), corner), ((deepest * way, -0.4), (nearest * way, 0.4))):
-        found = boundary.roomiest(end, normals, end + spacing * np.array([others]), scheme.time)
+        found = boundary.parts[0].roomiest(end, normals, end + spacing * np.array([others]), scheme.time)
         assert (found - end) / spacing == pytest.approx(np.array([expected]), abs=1e-9)
-    first, second = boundary.roomiest(end.repeat(2, axis=0), normals.repeat(2, axis=0), end, scheme.time) - end
+    first, second = boundary.parts[0].roomiest(end.repeat(2, axis=0), normals.repeat(2, axis=0), end, scheme.time) - end
     assert np.abs(first / spacing) == pytest.approx(np.abs(corner), abs=1e-9)
     # as far from the first as from the one at the end: 0.8^2 + 0.4^2 = (1.2 - 0.8)^2 + (0.4 + 0.4)^2
     assert second / spacing == pytest.approx(np.array([0.8 * way, -first[1] / spacing]), abs=1e-9)
@@ -69,7 +69,7 @@ def test_a_particle_enters_where_most_room_is(scheme):
 @pytest.fixture
 def control(scheme):
     """The control of the flow rate at the beginning of a step of 0.01 of steady Poiseuille flow."""
-    levels, points, control = scheme.levels, scheme.problem.particles, scheme.flow_rate
+    levels, points, control = scheme.levels, scheme.problem.particles, scheme.couplings[0]
     y = scheme.boundary.positions[:, 1] + scheme.problem.origin[1]
     steady = control.along * 12.0 * y * (1.0 - y)
     fields = view(levels.fields)[:points]
@@ -86,11 +86,11 @@ def test_sections_integrate_quadratics_and_leave_out_bodies(scheme, control):
     places = control.sections + origin[0]
     assert np.sort(places) == pytest.approx(np.linspace(0.5, 2.5, 3))  # 6 spacings from the ends, 8 apart
     assert control.weights @ (x + 3.0 * y**2) == pytest.approx(places + 1.0, rel=1e-9)
-    boundary.solid.append(Body(Circle(0.2), (1.4, 0.5)))
+    control.ends.solid.append(Body(Circle(0.2), (1.4, 0.5)))
     try:
         control.place_sections(boundary.positions, scheme.time)
     finally:
-        boundary.solid.pop()
+        control.ends.solid.pop()
     assert np.sort(control.sections + origin[0]) == pytest.approx([0.5, 2.5])
 
 

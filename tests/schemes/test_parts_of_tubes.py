@@ -50,10 +50,8 @@ def test_at_once_fluid_with_a_given_mean_flows_around_a_sphere(scheme):
     u = view(scheme.levels.fields)[:fluid, 0]
     for part, mean in ((np.abs(x) < 0.15, 4.0 / 3.0), (np.abs(x) > 0.85, 1.0)):
         assert np.average(u[part], weights=r[part]) == pytest.approx(mean, rel=0.03)
-    assert scheme.mean_velocity.weights @ view(scheme.levels.fields)[: scheme.problem.particles, 0] == pytest.approx(
-        1.0
-    )
-    assert 0.0 < scheme.mean_velocity.response < 1.0  # a part of the impulse presses on the sphere
+    assert scheme.couplings[0].weights @ view(scheme.levels.fields)[: scheme.problem.particles, 0] == pytest.approx(1.0)
+    assert 0.0 < scheme.couplings[0].response < 1.0  # a part of the impulse presses on the sphere
 
 
 def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
@@ -81,8 +79,8 @@ def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
 
 def test_the_grid_follows_walls_that_moved_by_a_spacing(scheme, monkeypatch):
     boundary, walls, times = scheme.boundary, scheme.boundary.walls, []
-    places, moving = walls.at, np.tile([2.0, 0.0, 0.0], (walls.count, 1))
-    monkeypatch.setattr(walls, "at", lambda time: (*places(time)[:2], moving))
+    moving = np.tile([2.0, 0.0, 0.0], (walls.count, 1))
+    monkeypatch.setattr(walls, "velocities", lambda time: moving)
     monkeypatch.setattr(boundary, "set_grid", times.append)
     boundary.grid_time = 1.0
     for part in (0.4, -0.4, 0.6):  # times the speed of 2

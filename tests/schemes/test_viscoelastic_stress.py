@@ -121,7 +121,7 @@ def test_a_polymer_without_viscosity_changes_nothing():
 
 def test_walls_let_fluid_shear_alone():
     flow, _ = make(turning=(2.0, -0.7))
-    _, normal, _ = flow.walls.at(0.3)
+    _, normal = flow.walls.at(0.3)
     measured = np.random.default_rng(0).normal(size=(2, 2, flow.walls.count))
     found = flow.walls.gradients(measured, 0.3)
     assert np.abs(found[0, 0] + found[1, 1]).max() < 1e-14

@@ -193,8 +193,7 @@ class Equations:
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
             divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
-            kept = self.boundary.retained(i, retained, gamma0)
-            self.pressure.b[i] = (kept * self.boundary.divergence_before(i) - divergence) / dt
+            self.pressure.b[i] = (self.boundary.divergence_to_keep(i, retained, gamma0) - divergence) / dt
 
     @ti.func
     def divergence_of_forcing(self, i):
@@ -248,10 +247,11 @@ class Equations:
             total, lower = 0.0, 0.0
             for i in range(self.points.n_fluid[None]):
                 square = self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
-                total += self.boundary.judged(i, square)
+                weight = self.boundary.error_weight(i)
+                total += weight * square
                 if ti.static(self.may_scatter):
                     rest = self.velocity.x[i]
                     for level in ti.static(range(VELOCITIES - 1)):
                         rest -= self.beta_lower[level] * self.levels.carried(level, i)
-                    lower += self.boundary.judged(i, self.coordinates.squared(i, rest))
+                    lower += weight * self.coordinates.squared(i, rest)
             self.difference_squared[None], self.lower_squared[None] = total, lower

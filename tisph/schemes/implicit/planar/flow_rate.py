@@ -15,15 +15,18 @@ fluid from section to section: in this time errors of the flow rate vanish. Betw
 the uniform source (R_s - R_(s-1))/area, which is the mean divergence that the operators miss there.
 """
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from tisph.measures.fits import sum_weights
 from tisph.runtime import real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
-from tisph.schemes.implicit.planar.open_ends import OpenWallBoundary
 from tisph.schemes.implicit.planar.parts import Coupling
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, gradients
+from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
 
 CLEAR, APART, MOST_SECTIONS = 6.0, 8.0, 12
 """Distance of sections from the ends and least distance between two, in particle spacings; their largest number."""
@@ -43,13 +46,13 @@ class FlowRateControl(Coupling):
     ``response``: change of a residual over its value that the source has which removes it in a fluid without viscosity.
     """
 
-    def __init__(self, problem: Problem, boundary: OpenWallBoundary) -> None:
-        self.problem, self.boundary, self.levels = problem, boundary, boundary.levels
+    def __init__(self, problem: Problem, boundary: WallBoundary, ends: Any) -> None:
+        self.problem, self.boundary, self.levels, self.ends = problem, boundary, boundary.levels, ends
         self.inlet = boundary.walls.bodies[-2]
         self.along = float(self.inlet.shape.normal[0])
         self.response = 1.0
         self.placed: list[tuple[float, ...]] = []
-        self.acceleration = ti.field(real(), self.levels.points.slots + 1)
+        self.slopes = ti.field(real(), self.levels.points.slots + 1)
         low, high = sorted(problem.open_ends)
         clear = CLEAR * problem.spacing
         count = int(min(MOST_SECTIONS, (high - low - clear) // (APART * problem.spacing)))
@@ -77,7 +80,7 @@ class FlowRateControl(Coupling):
 
         Sections that cross a body are left out. They change where a body has moved.
         """
-        placed = [(*place.centre, place.angle) for place in (body.at(time) for body in self.boundary.solid)]
+        placed = [(*place.centre, place.angle) for place in (body.at(time) for body in self.ends.solid)]
         if placed == self.placed:
             return
         origin, spacing, self.placed = self.problem.origin, self.problem.spacing, placed
@@ -86,7 +89,7 @@ class FlowRateControl(Coupling):
         heights = np.linspace(low, high, 4 * int(np.ceil((high - low) / spacing)))
         rule = np.polynomial.legendre.leggauss(max(20, round(0.5 * (high - low) / spacing)))
         grid = np.stack(np.broadcast_arrays(self.places[:, None] + origin[0], heights), axis=-1)
-        distance = np.min([body.nearest(grid.reshape(-1, 2), time).distance for body in self.boundary.solid], axis=0)
+        distance = np.min([body.nearest(grid.reshape(-1, 2), time).distance for body in self.ends.solid], axis=0)
         sections, nodes, lengths = [], [], []
         for place, gap in zip(self.places, distance.reshape(grid.shape[:2]), strict=True):
             wet = np.flatnonzero(gap > 0.0)
@@ -105,11 +108,11 @@ class FlowRateControl(Coupling):
             return True
         self.measure_acceleration(equations.velocity.x, equations.alpha, self.gamma0, self.dt)
         n, width = self.problem.particles, self.inlet.shape.length
-        inflow = width * self.inlet.course.velocity(self.boundary.level_times)
+        inflow = width * self.inlet.course.velocity(self.ends.level_times)
         slope = (self.gamma0 * inflow[0] - view(equations.alpha)[: len(inflow) - 1] @ inflow[1:]) / self.dt
         slopes, rates = (
             self.along * (self.weights @ values[:n].astype(float))
-            for values in (view(self.acceleration), view(equations.velocity.x)[:, 0])
+            for values in (view(self.slopes), view(equations.velocity.x)[:, 0])
         )
         residual = slopes - slope - (inflow[0] - rates) / self.renewal
         if self.residual is not None:
@@ -123,6 +126,14 @@ class FlowRateControl(Coupling):
         equations.sources = self.sources[self.slab]
         return False
 
+    def host_state(self) -> dict[str, float]:
+        """Return the number that a resumed run needs."""
+        return {"response": self.response}
+
+    def restore_host_state(self, state: Mapping[str, float]) -> None:
+        """Restore the number of ``host_state``."""
+        self.response = state["response"]
+
     @ti.kernel
     def measure_acceleration(self, velocity: ti.template(), alpha: ti.template(), gamma0: float, dt: float):
         """Compute du/dt = (gamma_0 u - u^)/dt - u . grad u at fixed places, for a ``velocity`` field."""
@@ -133,4 +144,4 @@ class FlowRateControl(Coupling):
             along = gamma0 * own.x
             for level in ti.static(range(VELOCITIES)):
                 along -= alpha[level] * self.levels.carried(level, i).x
-            self.acceleration[i] = along / dt - own.x * d_dx.x - own.y * d_dy.x
+            self.slopes[i] = along / dt - own.x * d_dx.x - own.y * d_dy.x

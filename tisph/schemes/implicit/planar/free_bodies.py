@@ -30,18 +30,18 @@ acts on both alike. It is a model, and no lubrication: how often, how long and h
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from tisph.numerics.stokes import Unknowns
+from tisph.numerics.stokes import Unknowns, WallRows
 from tisph.runtime import real, scalar, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
-from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Coupling, ExtraStress
+from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, BoundaryPart, Coupling
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
+from tisph.schemes.implicit.planar.time_levels import TimeWeights
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
-from tisph.snapshot import Bodies
 
 Pair = tuple[int, int]
 """Numbers of two bodies."""
@@ -338,8 +338,8 @@ class FreeBodies:
 
 
 @ti.data_oriented
-class FreeWallBoundary(WallBoundary):
-    """The ``Boundary`` of walls among which there are ``bodies`` (``FreeBodies``) that the flow carries.
+class FreeBodyPart(BoundaryPart):
+    """The ``BoundaryPart`` of ``bodies`` (``FreeBodies``) that the flow carries.
 
     They may come so close that no particle is between them, but points on both, whose equations are one and the same:
     they leave the pressure there undetermined. ``continued`` is the part, 0 to 1, in which the pressure at a point is
@@ -347,94 +347,73 @@ class FreeWallBoundary(WallBoundary):
     a gap in which divergence is left as it is.
     """
 
-    def __init__(
-        self, problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
-    ) -> None:
-        super().__init__(problem, levels, shift, grid, extra_stress, support)
-        self.free = FreeBodies(problem)
-        self.grid_bodies: Any = None
-        self.continued = ti.field(real(), self.points.capacity)
-        self.closes = ti.field(ti.i32, self.points.capacity)
-        self.per_spacing = scalar(1.0 / problem.spacing)
+    finds_impulse = True
 
-    def reset(self) -> None:
-        """Return to the state before the first step."""
-        super().reset()
-        self.free.reset(self.problem.start_time)
+    def __init__(self, boundary: WallBoundary) -> None:
+        self.boundary, self.problem, self.points = boundary, boundary.problem, boundary.points
+        self.bodies, self.slots = FreeBodies(self.problem), boundary.slots
+        self.continued = ti.field(real(), self.points.capacity)
+        self.narrow = ti.field(ti.i32, self.points.capacity)
+        self.per_spacing = scalar(1.0 / self.problem.spacing)
+
+    def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
+        """Return the coupling of the velocities of the bodies."""
+        return [FreeBodyCoupling(self.boundary, self.bodies, rounding)]
+
+    def reset(self, time: float) -> None:
+        """Return to the state before the start, at ``time``."""
+        self.bodies.reset(time)
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Begin the step of the bodies with extrapolated velocities; return whether none of them overlap."""
-        self.free.prepare(weights, dt, time)
-        return not self.free.overlap
+        self.bodies.prepare(weights, dt, time)
+        return not self.bodies.overlap
 
-    def close_gaps(self, distances: np.ndarray) -> None:
+    def forget(self) -> None:
+        """Forget velocities of earlier times."""
+        self.bodies.restart()
+
+    def approach(self, distances: np.ndarray) -> None:
         """Set where the pressure is continued, and the particles in narrow gaps, by ``distances`` (points, 2)."""
         spacing, n_fluid = self.problem.spacing, self.problem.n_fluid
         nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
         view(self.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
-        view(self.closes)[:n_fluid] = distances[:n_fluid].sum(axis=1) < NARROW * spacing
-
-    def set_grid(self, time: float) -> None:
-        """Set the walls of the preconditioner's ``grid``, and store the bodies' state that they belong to."""
-        super().set_grid(time)
-        self.grid_bodies = self.free.state()
-
-    def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
-        """Leave the impulse to the ``FreeBodyCoupling``."""
-        self.measure_own_start()
-        return True
-
-    def begin_without_inertia(self, time: float) -> None:
-        """Begin at ``time``, with a flow that no earlier one alters."""
-        self.free.reset(time)
-        super().begin_without_inertia(time)
-
-    def forget(self) -> None:
-        """Forget loads and velocities of earlier times."""
-        super().forget()
-        self.free.restart()
-
-    def jump(self, time: float) -> None:
-        """Give the points the velocities after ``time``, at which walls jump; bodies have no earlier levels then."""
-        self.free.restart()
-        super().jump(time)
+        view(self.narrow)[:n_fluid] = distances[:n_fluid].sum(axis=1) < NARROW * spacing
 
     def accelerate(self, acceleration: float) -> None:
         """Change the body force along x, and with it the buoyancy of the bodies."""
-        self.free.accelerate(acceleration)
+        self.bodies.accelerate(acceleration)
 
-    def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the parts (count,) and (fluid,) of equations that hold where gaps close."""
-        closed = view(self.closes)[: self.problem.n_fluid] > 0
-        return 1.0 - view(self.continued)[self.slots].astype(float), np.where(closed, 0.0, 1.0)
+    def stokes_rows(self, rows: WallRows) -> WallRows:
+        """Return the ``rows`` with the parts of equations that hold where gaps close."""
+        narrow = view(self.narrow)[: self.problem.n_fluid] > 0
+        walls = 1.0 - view(self.continued)[self.slots].astype(float)
+        return replace(rows, open_walls=walls, open_fluid=np.where(narrow, 0.0, 1.0))
 
-    def take_velocities(self, time: float) -> None:
-        """Give the points the present velocities of the bodies at ``time``."""
-        self.velocity = self.walls.velocities(time)
+    def compared(self, groups: list[list[int]]) -> list[list[int]]:
+        """Return no group: forces on bodies that move freely are not compared."""
+        return []
 
-    def bodies(self, time: float, weights: TimeWeights, offset: float) -> Bodies:
-        """Return the bodies at ``time``, with contact forces, which depend on places alone and need no levels."""
-        return self.loads.at(time, weights, offset, self.free.contact.loads(time)[0])
-
-    @property
-    def load_scatter(self) -> None:
-        """None: forces on free bodies are not compared."""
-        return None
+    def contact_loads(self, time: float) -> np.ndarray:
+        """Return the loads (bodies, 4) of contacts at ``time``, which depend on places alone and need no levels."""
+        return self.bodies.contact.loads(time)[0]
 
     def numbers(self) -> Mapping[str, Any]:
         """Return number and duration of contacts, and the largest contact force."""
-        contact = self.free.contact
+        contact = self.bodies.contact
         return {"contacts": contact.count, "contact_time": contact.duration, "contact_force": contact.largest}
 
-    def host_state(self) -> dict[str, Any]:
-        """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().host_state(), "grid_bodies": self.grid_bodies, "free": self.free.state()}
+    def places(self) -> dict[str, Any]:
+        """Return numbers from which the places of the bodies at present can be restored."""
+        return self.bodies.state()
 
-    def restore_host_state(self, state: Mapping[str, Any]) -> None:
-        """Restore the numbers of ``host_state``; the bodies have moved on since the grid was set."""
-        self.free.restore(state["grid_bodies"])
-        super().restore_host_state(state)
-        self.free.restore(state["free"])
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs, by name."""
+        return {"free": self.bodies.state()}
+
+    def restore_host_state(self, state: Mapping[str, Any], places: Any = None) -> None:
+        """Restore the numbers of ``host_state``, or those ``places``."""
+        self.bodies.restore(places or state["free"])
 
     @ti.func
     def row_weight(self, i, k, slope):
@@ -449,13 +428,13 @@ class FreeWallBoundary(WallBoundary):
         return value * (1.0 - self.continued[i])
 
     @ti.func
-    def retained(self, i, retained, gamma0):
+    def kept_part(self, i, kept, gamma0):
         """Return k gamma_0, with k = 1 for a particle in a narrow gap."""
-        return ti.select(self.closes[i] > 0, gamma0, retained)
+        return ti.select(self.narrow[i] > 0, gamma0, kept)
 
 
 class FreeBodyCoupling(Coupling):
-    """The ``Coupling`` of the bodies of a ``FreeWallBoundary`` with the fluid: loads and velocities.
+    """The ``Coupling`` of the free ``bodies`` of a ``boundary`` with the fluid: loads and velocities.
 
     With the velocities of the bodies it finds the curl of the vorticity at walls. ``precision``: relative rounding
     error of loads; ``allowed``: change of a velocity up to which bodies have converged.
@@ -463,8 +442,8 @@ class FreeBodyCoupling(Coupling):
 
     sets_curls = True
 
-    def __init__(self, boundary: FreeWallBoundary, precision: float) -> None:
-        self.boundary, self.bodies, self.precision = boundary, boundary.free, precision
+    def __init__(self, boundary: WallBoundary, bodies: FreeBodies, precision: float) -> None:
+        self.boundary, self.bodies, self.precision = boundary, bodies, precision
         self.rounding = self.allowed = self.curl_scale = self.time = 0.0
 
     def prepare(self, equations: "Equations", dt: float, gamma0: float, time: float, allowed: float) -> None:
@@ -498,7 +477,7 @@ class FreeBodyCoupling(Coupling):
         """Give the bodies their ``velocities`` at the end of the step, as they were found."""
         self.bodies.velocities[self.bodies.moves] = velocities
         self.bodies.attempt()
-        self.boundary.take_velocities(self.time)
+        self.boundary.update_velocity(self.time)
 
     def correct(self, equations: "Equations") -> bool:
         """Change the velocities of the bodies by the loads of the fluid; return whether they had converged."""
@@ -513,7 +492,7 @@ class FreeBodyCoupling(Coupling):
             return True
         boundary.present_curls[...] = given / scale
         self.bodies.attempt()
-        boundary.take_velocities(self.time)
+        boundary.update_velocity(self.time)
         equations.set_wall_velocity(boundary.solver_velocity())
         return False
 
@@ -572,7 +551,7 @@ class FreeBodyCoupling(Coupling):
     def _start_with(self, velocities: np.ndarray) -> None:
         for motion, velocity in zip(self.bodies.motions, velocities, strict=True):
             motion.start(self.time, velocity)
-        self.boundary.take_velocities(self.time)
+        self.boundary.update_velocity(self.time)
 
     def _set_accelerations(self) -> None:
         for motion, acceleration in zip(self.bodies.motions, self.bodies.velocities, strict=True):

@@ -5,6 +5,7 @@ cross-section. The first g of a step is extrapolated from the last steps. Each o
 -(m - wanted m)/(dm/dg), with dm/dg from the last two iterations.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,10 @@ from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
 
 SETTLED = 0.3
 """Part of the tolerance of a step, times the velocity, that m may be off by."""
+
+
+KEPT = "acceleration", "response", "levels"
+"""Numbers that a checkpoint keeps."""
 
 
 class MeanVelocityControl(Coupling):
@@ -116,10 +121,16 @@ class MeanVelocityControl(Coupling):
         """Store the acceleration of the step as the newest level."""
         self.levels = [(self.time, self.acceleration), *self.levels][:2]
 
-    def state(self) -> tuple[float, float, Any]:
-        """Return the numbers that a resumed run needs."""
-        return self.acceleration, self.response, self.levels
+    @property
+    def drive(self) -> float:
+        """The acceleration."""
+        return self.acceleration
 
-    def restore(self, state: Any) -> None:
-        """Restore the numbers of ``state``."""
-        self.acceleration, self.response, self.levels = state
+    def host_state(self) -> dict[str, Any]:
+        """Return the numbers that a resumed run needs."""
+        return {name: getattr(self, name) for name in KEPT}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""
+        for name in KEPT:
+            setattr(self, name, state[name])

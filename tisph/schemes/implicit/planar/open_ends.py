@@ -31,7 +31,8 @@ from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
 from tisph.numerics.stokes import WallRows
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
-from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.flow_rate import LEAST_REYNOLDS, FlowRateControl
+from tisph.schemes.implicit.planar.parts import BoundaryPart, Coupling
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, TimeWeights
 from tisph.schemes.implicit.planar.wall_boundary import LOAD_LEVELS, WallBoundary
 from tisph.schemes.implicit.planar.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
@@ -68,8 +69,8 @@ def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 
 @ti.data_oriented
-class OpenWallBoundary(WallBoundary):
-    """Walls of given motion, of which some are open ends; the ``Outlet`` is the last body.
+class OpenEnds(BoundaryPart):
+    """The ``BoundaryPart`` of open ends; the ``Outlet`` is the last body, the inlet the one before.
 
     ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``divergence`` (fluid,): divergence
     of the newest velocities, by the operators at the end of the present step. ``passages`` (fluid,): how often a
@@ -78,9 +79,10 @@ class OpenWallBoundary(WallBoundary):
     are as long as the inlet is wide.
     """
 
-    def __init__(self, problem: Problem, *others: Any) -> None:
-        super().__init__(problem, *others)
-        walls = self.walls
+    def __init__(self, boundary: WallBoundary) -> None:
+        self.boundary, self.problem, self.walls = boundary, boundary.problem, boundary.walls
+        self.levels, self.points, self.operators = boundary.levels, boundary.points, boundary.operators
+        self.extra_stress, self.shift, problem, walls = boundary.extra_stress, boundary.shift, self.problem, self.walls
         kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]
         self.of_outlet = kinds[-1][1]
         self.of_inlets = np.concatenate([part for body, part in kinds if isinstance(body, Inlet)])
@@ -94,23 +96,28 @@ class OpenWallBoundary(WallBoundary):
         self.due = np.zeros(sum(len(part) for _, part in self.ends))
         self.divergence = self.points.field(real())
 
+    def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
+        """Return the control of the flow rate, but where the flow is too viscous for it."""
+        problem = self.problem
+        swift = problem.reference_velocity * problem.spacing >= LEAST_REYNOLDS * problem.kinematic_viscosity
+        return [FlowRateControl(problem, self.boundary, self)] if swift and not slow else []
+
     @property
     def carried_fields(self) -> tuple[Any, ...]:
         """Fields that particles carry from step to step."""
         return (self.levels.fields, *self.extra_stress.fields)
 
     @ti.func
-    def judged(self, i, value):
-        """Return the part of a ``value`` at a particle that counts in the error of a step: none of it near an end."""
-        result = value
+    def error_weight(self, i, weight):
+        """Return the weight of a particle in the error of a step: 0 near an end."""
+        result = weight
         for end in ti.static(range(2)):
             away = ti.abs(self.points.position[i].x - self.shift.ends[end]) * self.shift.per_spacing[None]
             result = ti.select(away > UNJUDGED, result, 0.0)
         return result
 
-    def reset(self) -> None:
-        """Return to the state before the first step."""
-        super().reset()
+    def reset(self, time: float) -> None:
+        """Return to the state before the start, at ``time``."""
         self.replaced = None
         self.due = np.full(len(self.due), 0.5)  # the first layer has come half a spacing from where it would enter
         self.passages[...] = 0
@@ -119,49 +126,32 @@ class OpenWallBoundary(WallBoundary):
         self.v_slope = np.zeros(len(self.of_inlets))
         self.squares = np.zeros((1, 3))
 
-    def set_grid(self, time: float) -> None:
-        """Set the walls of the preconditioner's grid, on which the pressure is 0 at the outlet."""
-        *closed, outlet = self.walls.bodies
-        origin = self.walls.origin
-        self.grid.set_walls(
-            lambda place: np.min([body.nearest(place + origin, time).distance for body in closed], axis=0),
-            lambda place: outlet.nearest(place + origin, time).distance,
-        )
-        self.grid_time = time
-
-    def move(self, time: float) -> None:
-        """Set the points at ``time``; the outlet's have their newest velocities."""
-        super().move(time)
-        self.velocity[self.of_outlet] = self.outlet_velocity
+    def velocity(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the ``velocity`` (count, components) at the points, at the outlet the newest one."""
+        velocity[self.of_outlet] = self.outlet_velocity
+        return velocity
 
     def from_ends(self, positions: np.ndarray) -> np.ndarray:
         """Return the distances (points,) along x from the nearest end, in particle spacings."""
         away = np.min([np.abs(positions[:, 0] - end) for end in self.problem.open_ends], axis=0)
         return away / self.problem.spacing
 
-    def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
-        """Return the factors (points,) of the supports, which are wider near ends."""
+    def supports(self, factor: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports, which are wider near ends than the ``factor`` near walls."""
         near = np.clip(1.0 - self.from_ends(positions) / UNJUDGED, 0.0, 1.0)
-        widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.support
-        return np.minimum(super().support_factors(positions, distances) + END_SUPPORT / self.support * near, widest)
+        widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.boundary.support
+        return np.minimum(factor + END_SUPPORT / self.boundary.support * near, widest)
 
-    def jump(self, time: float) -> None:
-        """Give the points on walls the velocities after a jump at ``time``."""
-        super().jump(time)
-        self.velocity[self.of_outlet] = self.outlet_velocity
-        self.newest_velocities[self.first :] = self.outlet_velocity
-
-    def impose_neumann_rows(self) -> None:
+    def set_rows(self) -> None:
         """Set the rows of the points; at the outlet u = sum_k w_k (u_k - du/dx x_k), w being fits with that slope.
 
         The one-sided derivative itself has next to no part of u where no particle is near, and would not give it.
         """
-        super().impose_neumann_rows()
         chosen = np.arange(self.first, self.problem.particles)
         entries, listed = self.points.rows_of(chosen)
         table = view(self.points.neighbours)[entries]
         place, spacing = view(self.points.position), self.problem.spacing
-        support = self.support * spacing * view(self.operators.support_factor)[chosen]
+        support = self.boundary.support * spacing * view(self.operators.support_factor)[chosen]
         x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
         weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
         powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
@@ -177,15 +167,11 @@ class OpenWallBoundary(WallBoundary):
         rows = [np.where(listed, view(part)[entries], 0.0) for part in (self.operators.d_dx, self.operators.d_dy)]
         return np.stack([np.einsum("ik,ikn->in", row, apart) for row in rows])
 
-    def apply_impulse(self, equations: Equations, tolerance: float) -> bool:
-        """Apply the impulse of the inflow, and of walls, at the start; return whether its system was solved."""
-        view(equations.pressure.x)[...] = 0.0
-        solved = super().apply_impulse(equations, tolerance)
+    def end_impulse(self, equations: Equations) -> None:
+        """Take note of the impulse of the start, whose potential is the present pressure: velocities at the outlet."""
         potential = view(equations.pressure.x).astype(float)[:, None]
         change = self.slopes(np.arange(self.first, self.problem.particles), potential)[:, :, 0].T
-        self.outlet_velocity = self.fluid_velocity[self.of_outlet] - change
-        self.velocity[self.of_outlet] = self.outlet_velocity
-        return solved
+        self.outlet_velocity = self.boundary.fluid_velocity[self.of_outlet] - change
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
@@ -195,14 +181,14 @@ class OpenWallBoundary(WallBoundary):
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
-        outlet, place = np.arange(self.first, self.problem.particles), self.positions[: self.problem.n_fluid]
+        outlet = np.arange(self.first, self.problem.particles)
+        place = self.boundary.positions[: self.problem.n_fluid]
         self.take_levels(outlet, self.walls.at(time)[0][self.of_outlet], np.arange(len(place)), place, OUTLET_DEGREE)
         self.exchange(dt, time)
-        return super().predict(weights, dt, time)
+        return True
 
-    def add_normal_momentum(self, equations: Equations, dt: float, gamma0: float, viscosity: float) -> None:
-        """Set the right-hand sides at the points, and the pressure at the outlet, for the present velocity."""
-        super().add_normal_momentum(equations, dt, gamma0, viscosity)
+    def set_values(self, equations: Equations, gamma0: float, viscosity: float) -> None:
+        """Set the pressure at the outlet, and the right-hand side of its velocities, for the present velocity."""
         chosen = np.arange(self.first, self.problem.particles)
         change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
         viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
@@ -212,9 +198,8 @@ class OpenWallBoundary(WallBoundary):
         right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
         view(equations.velocity.b)[chosen] = right
 
-    def begin_step(self, weights: TimeWeights) -> None:
-        """Extrapolate the curl of the vorticity to the end of a step, and measure the divergence to be kept."""
-        super().begin_step(weights)
+    def begin_step(self) -> None:
+        """Measure the divergence to be kept."""
         self.measure_kept_divergence()
 
     @ti.kernel
@@ -241,7 +226,7 @@ class OpenWallBoundary(WallBoundary):
             self.divergence[i] = numerator / ((1.0 - s_x.x) * (1.0 - s_y.y) - s_y.x * s_x.y)
 
     @ti.func
-    def divergence_before(self, i):
+    def divergence_before(self, i, divergence):
         """Return the divergence of the newest velocities at a particle."""
         return self.divergence[i]
 
@@ -259,42 +244,37 @@ class OpenWallBoundary(WallBoundary):
             return np.zeros(len(self.of_outlet))
         return self.extra_stress.present_wall_stress()[2, self.of_outlet]
 
-    def rows(self) -> WallRows:
-        """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
-        return replace(super().rows(), outlet=self.outlet_slope)
+    def stokes_rows(self, rows: WallRows) -> WallRows:
+        """Return the ``rows`` of the points in a ``StokesSolver`` with those of the outlet."""
+        return replace(rows, outlet=self.outlet_slope)
 
-    def begin(self, equations: Equations) -> None:
-        """Give the points their velocities after the start, and the equations their accelerations."""
-        super().begin(equations)
+    def begin(self) -> None:
+        """Begin with the velocities after the start."""
         self.store_ends()
 
-    def store(self, time: float) -> None:
-        """Store the curl of the vorticity, the loads, and the time levels at the ends, at ``time``."""
-        self.outlet_velocity = self.newest_velocities[self.first :].astype(float)
-        self.velocity[self.of_outlet] = self.outlet_velocity
-        super().store(time)
+    def accept(self, time: float) -> None:
+        """Store the time levels at the ends, at ``time``."""
+        self.outlet_velocity = self.boundary.newest_velocities[self.first :].astype(float)
         self.store_ends()
         self.measure_parts()
         if self.replaced:
             self.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
 
-    @property
-    def load_scatter(self) -> tuple[float, int] | None:
-        """Largest scatter from step to step of the forces on a body and on the inlet, and its number; None if unknown.
+    def compared(self, groups: list[list[int]]) -> list[list[int]]:
+        """Return the ``groups`` of bodies whose forces are compared, and the inlet.
 
         The force on the inlet is the pressure there, and so the pressure drop, times the width.
         """
-        found = [super().load_scatter, self.loads.scatter([len(self.walls.bodies) - 2])]
-        return max((each for each in found if each), default=None)
+        return [*groups, [len(self.walls.bodies) - 2]]
 
     def residual(self, least: float) -> float:
         """Return the largest residual of the parts of the channel: faults at an end count, however long the channel."""
         divergence, gradient, count = self.squares.T
         ratios = divergence / np.maximum(gradient, least**2 * np.maximum(count, 1))
-        return max(super().residual(least), math.sqrt(ratios.max(initial=0.0)))
+        return math.sqrt(ratios.max(initial=0.0))
 
-    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+    def seen(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
         """Return the numbers of a ``Snapshot`` about open ends, by name."""
         inlet = self.walls.bodies[-2]
         level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
@@ -317,7 +297,9 @@ class OpenWallBoundary(WallBoundary):
     def measure_parts(self) -> None:
         """Sum the squares of divergence and gradient in the parts of the channel."""
         levels, fluid = self.levels, slice(self.problem.n_fluid)
-        part = (np.abs(self.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length).astype(int)
+        part = (
+            np.abs(self.boundary.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length
+        ).astype(int)
         gradient = sum((view(slope)[fluid, :2].astype(float) ** 2).sum(axis=1) for slope in (levels.d_dx, levels.d_dy))
         squares = view(levels.divergence)[fluid].astype(float) ** 2, gradient, None
         self.squares = np.stack([np.bincount(part, each) for each in squares], axis=1)
@@ -333,8 +315,8 @@ class OpenWallBoundary(WallBoundary):
     def exchange(self, dt: float, time: float) -> None:
         """Let each particle that has left by the end of a step ``dt``, at ``time``, enter."""
         spacing, fluid = self.problem.spacing, self.problem.n_fluid
-        place, velocity = self.positions, self.newest_velocities[:, :2].astype(float)
-        place[self.slots], normal, _ = self.walls.at(time)
+        place, velocity = self.boundary.positions, self.boundary.newest_velocities[:, :2].astype(float)
+        place[self.boundary.slots], normal = self.walls.at(time)
         left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out
         near = np.flatnonzero(self.from_ends(place[:fluid]) < UNJUDGED)
         for body, _ in self.ends:
@@ -409,7 +391,7 @@ class OpenWallBoundary(WallBoundary):
         position[:, 0] = np.clip(position[:, 0], low, high)
         return position
 
-    def undo(self) -> None:
+    def reject(self) -> None:
         """Take back the exchange of an attempt that was rejected."""
         if self.replaced:
             slots, values, self.due = self.replaced
@@ -419,12 +401,10 @@ class OpenWallBoundary(WallBoundary):
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        arrays = {name: getattr(self, name).tolist() for name in KEPT}
-        return {**super().host_state(), **arrays, "outflows": self.outflows}
+        return {**{name: getattr(self, name).tolist() for name in KEPT}, "outflows": self.outflows}
 
-    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+    def restore_host_state(self, state: Mapping[str, Any], places: Any = None) -> None:
         """Restore the numbers of ``host_state``."""
-        super().restore_host_state(state)
         for name in KEPT:
             setattr(self, name, np.array(state[name]))
         self.outflows = state["outflows"]

@@ -22,7 +22,6 @@ MOST_ITERATIONS = 20
 if TYPE_CHECKING:
     from tisph.numerics.stokes import Unknowns, WallRows
     from tisph.schemes.implicit.planar.equations import Equations
-    from tisph.snapshot import Bodies
 
 
 @ti.data_oriented
@@ -104,10 +103,12 @@ class Boundary:
 
     ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
     ``outlet``: field with the first slot of the points of an open end whose pressure is known, None without one.
+    ``parts``: ``BoundaryPart``s, whose conditions hold beside those of walls of given motion.
     """
 
     bounded = False
     outlet: Any = None
+    parts: "Sequence[BoundaryPart]" = ()
     slots: slice
     velocity: np.ndarray
 
@@ -118,24 +119,19 @@ class Boundary:
         self.corners = Corners()
 
     @ti.func
-    def retained(self, i, retained, gamma0):
-        """Return the part of the divergence that a step leaves at a particle: ``retained`` = k gamma_0."""
-        return retained
+    def divergence_to_keep(self, i, kept, gamma0):
+        """Return the divergence that a step leaves at a particle, times gamma_0: ``kept`` = k gamma_0 of the newest."""
+        return kept * self.levels.divergence[i]
 
     @ti.func
-    def divergence_before(self, i):
-        """Return the divergence of the newest velocities at a particle."""
-        return self.levels.divergence[i]
-
-    @ti.func
-    def judged(self, i, value):
-        """Return the part of a ``value`` at a particle that counts in the error of a step: all of it."""
-        return value
+    def error_weight(self, i):
+        """Return the weight of a particle in the error of a step: 1."""
+        return 1.0
 
     def reset(self) -> None:
         """Return to the state before the first step."""
 
-    def undo(self) -> None:
+    def reject(self) -> None:
         """Take back the changes of an attempt that was rejected."""
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
@@ -145,7 +141,7 @@ class Boundary:
     def move(self, time: float) -> None:
         """Set the points on walls at ``time``, and all that depends on the distances of particles from walls."""
 
-    def impose_neumann_rows(self) -> None:
+    def set_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""
 
     def entered(self, position: np.ndarray) -> np.ndarray:
@@ -163,7 +159,7 @@ class Boundary:
         """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
         return np.zeros(0)
 
-    def rows(self) -> "WallRows":
+    def stokes_rows(self) -> "WallRows":
         """Return the equations of velocity and pressure at the points, of a ``StokesSolver``."""
         raise NotImplementedError
 
@@ -200,24 +196,15 @@ class Boundary:
     def accelerate(self, acceleration: float) -> None:
         """Change the body force along x, which acts on free bodies as well."""
 
-    def store(self, time: float) -> None:
+    def accept(self, time: float) -> None:
         """Store the curl of the vorticity and the loads of the newest fields, at ``time``."""
 
     def measure_loads(self, time: float) -> None:
         """Store the loads of the newest fields, at ``time``."""
 
-    def bodies(self, time: float, weights: TimeWeights, offset: float) -> "Bodies | None":
-        """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
-        return None
-
-    def through_ends(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
-        """Return the numbers of a ``Snapshot`` about open ends, by name."""
+    def seen(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return bodies and ends in a ``Snapshot`` at ``time``, an ``offset`` before the end of the last step."""
         return {}
-
-    @property
-    def load_scatter(self) -> tuple[float, int] | None:
-        """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
-        return None
 
     def residual(self, least: float) -> float:
         """Return the divergence over the gradient of the velocities, or the ``least`` one, as root mean squares."""
@@ -233,6 +220,139 @@ class Boundary:
 
     def restore_host_state(self, state: Any) -> None:
         """Restore the numbers of ``host_state``."""
+
+
+@ti.data_oriented
+class BoundaryPart:
+    """A condition on a part of the boundary, beside those of walls of given motion; here none.
+
+    A part owns its state, and returns values: the ``Boundary`` has the fields of all points, and asks each of its parts
+    in turn. ``finds_impulse``: whether a coupling of the part finds the impulse of the start. ``outlet``: field with
+    the first slot of the points whose pressure the part knows, None without any.
+    """
+
+    finds_impulse = False
+    outlet: Any = None
+
+    @ti.func
+    def kept_part(self, i, kept, gamma0):
+        """Return the part of the divergence that a step leaves at a particle, times gamma_0, for the usual ``kept``."""
+        return kept
+
+    @ti.func
+    def divergence_before(self, i, divergence):
+        """Return the ``divergence`` of the newest velocities at a particle."""
+        return divergence
+
+    @ti.func
+    def error_weight(self, i, weight):
+        """Return the ``weight`` of a particle in the error of a step."""
+        return weight
+
+    @ti.func
+    def row_weight(self, i, k, slope):
+        """Return the weight of neighbour ``k`` in the pressure's row of a point, ``slope`` in the normal derivative."""
+        return slope
+
+    @ti.func
+    def open_part(self, i, value):
+        """Return the part of the right-hand ``value`` of that row which holds where walls come close to each other."""
+        return value
+
+    def couplings(self, rounding: float, slow: bool) -> "list[Coupling]":
+        """Return the couplings of the part: unknowns that each step has to find for it.
+
+        ``rounding``: relative error of residuals. ``slow``: whether all is solved for in one system.
+        """
+        return []
+
+    def reset(self, time: float) -> None:
+        """Return to the state before the start, at ``time``."""
+
+    def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
+        """Predict the end of a step ``dt``, at ``time``; return False where bodies overlap."""
+        return True
+
+    def reject(self) -> None:
+        """Take back the changes of ``predict``."""
+
+    def accept(self, time: float) -> None:
+        """Store the end of a step, at ``time``, whose fields are the newest ones."""
+
+    def forget(self) -> None:
+        """Forget earlier times, at which the motion was another one."""
+
+    def velocity(self, velocity: np.ndarray) -> np.ndarray:
+        """Return the ``velocity`` (count, components) at the points, with those that the part knows."""
+        return velocity
+
+    def supports(self, factor: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Return the factors (points,) of the supports at ``positions`` (points, 2), for the ``factor`` near walls."""
+        return factor
+
+    def approach(self, distances: np.ndarray) -> None:
+        """Take note of the ``distances`` (points, walls) of all points from the nearest walls."""
+
+    def set_rows(self) -> None:
+        """Replace rows of points whose pressure is no normal derivative."""
+
+    def begin_step(self) -> None:
+        """Begin a step whose operators are known."""
+
+    def set_values(self, equations: "Equations", gamma0: float, viscosity: float) -> None:
+        """Set values of velocity and pressure that follow from the present velocity."""
+
+    def end_impulse(self, equations: "Equations") -> None:
+        """Take note of the impulse of the start, whose potential is the present pressure."""
+
+    def begin(self) -> None:
+        """Begin with the velocities after the start."""
+
+    def accelerate(self, acceleration: float) -> None:
+        """Change the body force along x."""
+
+    def stokes_rows(self, rows: "WallRows") -> "WallRows":
+        """Return the ``rows`` of the points in a ``StokesSolver`` with those of the part."""
+        return rows
+
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+        return np.zeros(0)
+
+    def entered(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""
+        return position
+
+    def compared(self, groups: list[list[int]]) -> list[list[int]]:
+        """Return the ``groups`` of bodies, by their numbers, whose forces are compared from step to step."""
+        return groups
+
+    def contact_loads(self, time: float) -> Any:
+        """Return the loads (bodies, 4) of contacts at ``time``, None where there are none."""
+        return None
+
+    def seen(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return numbers of a ``Snapshot`` at ``time``, an ``offset`` before the end of the last step, by name."""
+        return {}
+
+    def residual(self, least: float) -> float:
+        """Return a divergence over the gradient of the velocities, or the ``least`` one, that counts as well."""
+        return 0.0
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return the numbers of the part for ``summary.json``."""
+        return {}
+
+    def places(self) -> Any:
+        """Return numbers from which the places of the walls at present can be restored."""
+        return None
+
+    def host_state(self) -> Mapping[str, Any]:
+        """Return the numbers outside the fields that a resumed run needs, by name."""
+        return {}
+
+    def restore_host_state(self, state: Mapping[str, Any], places: Any = None) -> None:
+        """Restore the numbers of ``host_state``, with these ``places`` if given."""
 
 
 class Coupling:
@@ -272,3 +392,15 @@ class Coupling:
 
     def store(self, time: float) -> None:
         """Store the unknowns at the ``time`` at the end of a step."""
+
+    @property
+    def drive(self) -> float | None:
+        """Acceleration along x that is found, None where it is no unknown."""
+        return None
+
+    def host_state(self) -> Mapping[str, Any]:
+        """Return the numbers that a resumed run needs, by name."""
+        return {}
+
+    def restore_host_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``host_state``."""

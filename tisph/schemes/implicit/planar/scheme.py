@@ -21,11 +21,10 @@ from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
 from tisph.schemes.implicit.planar.equations import Equations
-from tisph.schemes.implicit.planar.flow_rate import LEAST_REYNOLDS, FlowRateControl
-from tisph.schemes.implicit.planar.free_bodies import FreeBodyCoupling, FreeWallBoundary
+from tisph.schemes.implicit.planar.free_bodies import FreeBodyPart
 from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes.implicit.planar.mean_velocity import MeanVelocityControl
-from tisph.schemes.implicit.planar.open_ends import OpenWallBoundary
+from tisph.schemes.implicit.planar.open_ends import OpenEnds
 from tisph.schemes.implicit.planar.parts import (
     MOST_ITERATIONS,
     Boundary,
@@ -106,21 +105,11 @@ class SplittingScheme(ControlledScheme):
         self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)  # type: ignore[misc]
         self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
         self.extra_stress = extra_stress_of(problem, self.levels)
-        self.boundary = boundary_of(problem, self.levels, self.shift, self.grid, self.extra_stress)
         precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         rounding = limits.ROUNDING * precision
-        self.mean_velocity: MeanVelocityControl | None = None
-        self.couplings: list[Coupling] = []
-        if isinstance(self.boundary, FreeWallBoundary):
-            self.couplings.append(FreeBodyCoupling(self.boundary, rounding))
-        if isinstance(self.boundary, WallBoundary) and problem.kept_mean_velocity is not None:
-            self.mean_velocity = MeanVelocityControl(problem, self.boundary)
-            self.couplings.append(self.mean_velocity)
-        self.flow_rate: FlowRateControl | None = None
-        swift = problem.reference_velocity * problem.spacing >= LEAST_REYNOLDS * problem.kinematic_viscosity
-        if isinstance(self.boundary, OpenWallBoundary) and swift and not self.slow:
-            self.flow_rate = FlowRateControl(problem, self.boundary)
-            self.couplings.append(self.flow_rate)
+        self.boundary, self.couplings = boundary_of(
+            problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, self.slow
+        )
         self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
@@ -258,7 +247,7 @@ class SplittingScheme(ControlledScheme):
         gamma0, alpha = weights.bdf()
         inertia = gamma0 if self.problem.inertia else 0.0
 
-        boundary.undo()
+        boundary.reject()
         levels.predict(weights)
         if not boundary.predict(weights, dt, end):
             return math.inf, 1
@@ -334,9 +323,9 @@ class SplittingScheme(ControlledScheme):
         self.require_room("neighbours of a particle", self.points.overflow())
         self.operators.assemble()
         self.grid.sort()
-        self.boundary.impose_neumann_rows()
+        self.boundary.set_rows()
         if self.slow:
-            self.equations.stokes.assemble(self.boundary.rows())
+            self.equations.stokes.assemble(self.boundary.stokes_rows())
 
     def require_solution(self, solved: bool) -> None:
         """Raise DivergedError where the linear systems have none."""
@@ -349,7 +338,7 @@ class SplittingScheme(ControlledScheme):
         levels.store(self.equations.velocity.x, self.equations.pressure.x)
         levels.measure()
         self.stress_resolution = self.extra_stress.store(self.equations.velocity.x, self.steps + 1)
-        self.boundary.store(self.time + dt)
+        self.boundary.accept(self.time + dt)
         for coupling in self.couplings:
             coupling.store(end)
         travelled = dt * self.speed / self.problem.spacing
@@ -413,12 +402,10 @@ class SplittingScheme(ControlledScheme):
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
             density=np.full(len(position), problem.density),
             pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
-            bodies=boundary.bodies(time, weights, offset),
-            **boundary.through_ends(time, weights, offset),
-            load_scatter=boundary.load_scatter,
+            **boundary.seen(time, weights, offset),
             velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
-            acceleration=self.mean_velocity.acceleration if self.mean_velocity else None,
+            acceleration=next((each.drive for each in self.couplings if each.drive is not None), None),
             **{self.extra_stress.resolution_name: self.stress_resolution},
             **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
         )
@@ -447,19 +434,15 @@ class SplittingScheme(ControlledScheme):
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        mean = self.mean_velocity.state() if self.mean_velocity else None
-        response = self.flow_rate.response if self.flow_rate else None
-        state = {"walls": self.boundary.host_state(), "mean_velocity": mean, "flow_rate_response": response}
-        return {**super().host_state(), **state}
+        couplings = [coupling.host_state() for coupling in self.couplings]
+        return {**super().host_state(), "walls": self.boundary.host_state(), "couplings": couplings}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         self.boundary.restore_host_state(state["walls"])
-        if self.mean_velocity:
-            self.mean_velocity.restore(state["mean_velocity"])
-        if self.flow_rate:
-            self.flow_rate.response = state["flow_rate_response"]
+        for coupling, its in zip(self.couplings, state["couplings"], strict=True):
+            coupling.restore_host_state(its)
 
 
 def extra_stress_of(problem: Problem, levels: TimeLevels) -> ExtraStress:
@@ -471,12 +454,24 @@ def extra_stress_of(problem: Problem, levels: TimeLevels) -> ExtraStress:
     return GeneralisedNewtonianStress(levels, problem)
 
 
-def boundary_of(problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress) -> Boundary:
-    """Return the boundary of a flow: none, walls of given motion, or walls of bodies that the flow carries."""
+def boundary_of(
+    problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, rounding: float, slow: bool
+) -> tuple[Boundary, list[Coupling]]:
+    """Return the boundary of a flow and its couplings, with bodies that it carries and open ends where there are.
+
+    ``rounding``, ``slow``: see ``BoundaryPart.couplings``.
+    """
     if problem.walls is None:
-        return Boundary(problem, levels)
-    kind = OpenWallBoundary if problem.open_ends else FreeWallBoundary if problem.contact else WallBoundary
-    return kind(problem, levels, shift, grid, extra_stress, SUPPORT)
+        return Boundary(problem, levels), []
+    boundary = WallBoundary(problem, levels, shift, grid, extra_stress, SUPPORT)
+    if problem.contact:
+        boundary.add(FreeBodyPart(boundary))
+    if problem.open_ends:
+        boundary.add(OpenEnds(boundary))
+    couplings = [coupling for part in boundary.parts for coupling in part.couplings(rounding, slow)]
+    if problem.kept_mean_velocity is not None:
+        couplings.append(MeanVelocityControl(problem, boundary))
+    return boundary, couplings
 
 
 def points_of(problem: Problem, serial: bool) -> PointCloud:

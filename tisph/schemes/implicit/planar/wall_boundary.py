@@ -15,6 +15,7 @@ through the two before and the two after it, which a drag that varies smoothly f
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from tisph.numerics.stokes import WallRows
 from tisph.runtime import holding, real, ti, view
 from tisph.schemes.implicit.planar.corner_singularities import Corners, CornerSingularities
 from tisph.schemes.implicit.planar.equations import Equations
-from tisph.schemes.implicit.planar.parts import Boundary, ExtraStress
+from tisph.schemes.implicit.planar.parts import Boundary, BoundaryPart, ExtraStress
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
 from tisph.schemes.implicit.planar.wall_points import POINT_SUPPORT
@@ -103,6 +104,21 @@ class WallLoads:
         self.loads = [loads, *self.loads][:LOAD_STEPS]
         self.times = [np.array(time), *self.times][:LOAD_STEPS]
 
+    def forget(self) -> None:
+        """Forget the loads of earlier times."""
+        self.times = []
+
+    def state(self) -> dict[str, Any]:
+        """Return the numbers that a resumed run needs."""
+        levels = {"loads": self.loads, "load_times": self.times, "normal_stresses": self.normal_stresses}
+        return {name: [array.tolist() for array in arrays] for name, arrays in levels.items()}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Restore the numbers of ``state``."""
+        self.loads, self.times, self.normal_stresses = (
+            [np.array(values) for values in state[name]] for name in ("loads", "load_times", "normal_stresses")
+        )
+
     def strain(self, velocity: np.ndarray) -> np.ndarray:
         """Return 2 D (numbers, count), xx, xy, yy, of a wall ``velocity`` and the measured gradients at the points.
 
@@ -148,7 +164,7 @@ class WallLoads:
 
 @ti.data_oriented
 class WallBoundary(Boundary):
-    """The ``Boundary`` of a problem with walls: walls of given motion.
+    """The ``Boundary`` of a problem with walls: walls of given motion, and ``parts`` with conditions of their own.
 
     ``normal`` into the fluid and ``weight`` of a point, the length of its part of the wall over the area of a particle:
     with this weight a constant pressure is left by the equations of particles and points alike. ``normal_curls``:
@@ -176,20 +192,53 @@ class WallBoundary(Boundary):
         self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
         weight[self.slots] = self.walls.length / problem.spacing**2
         self.weight = holding(ti.field(real(), capacity), weight)
+        self.grid_places: list[Any] = []
+
+    def add(self, part: BoundaryPart) -> None:
+        """Let a ``part`` take part in all that follows."""
+        self.parts = [*self.parts, part]
+        self.outlet = self.outlet or part.outlet
+
+    @ti.func
+    def divergence_to_keep(self, i, kept, gamma0):
+        """Return the divergence that a step leaves at a particle, times gamma_0: ``kept`` = k gamma_0 of the newest."""
+        factor, divergence = kept, self.levels.divergence[i]
+        for part in ti.static(self.parts):
+            factor = part.kept_part(i, factor, gamma0)
+            divergence = part.divergence_before(i, divergence)
+        return factor * divergence
+
+    @ti.func
+    def error_weight(self, i):
+        """Return the weight of a particle in the error of a step."""
+        weight = 1.0
+        for part in ti.static(self.parts):
+            weight = part.error_weight(i, weight)
+        return weight
 
     def reset(self) -> None:
         """Return to the state before the first step."""
         self.grid_time = None
+        for part in self.parts:
+            part.reset(self.problem.start_time)
+
+    def reject(self) -> None:
+        """Take back the changes of an attempt that was rejected."""
+        for part in self.parts:
+            part.reject()
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
-        """Move particles by the known flow in singular corners; return True, since given motions do not overlap."""
+        """Predict bodies, ends, and particles in singular corners; return whether no bodies overlap."""
+        if not all(part.predict(weights, dt, time) for part in self.parts):
+            return False
         self.corners.predict(weights, dt)
         return True
 
     def move(self, time: float) -> None:
         """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
         positions, spacing, n_fluid = view(self.points.position), self.problem.spacing, self.problem.n_fluid
-        position, self.normals, self.velocity = self.walls.at(time)
+        position, self.normals = self.walls.at(time)
+        self.update_velocity(time)
         positions[self.slots] = position % [self.problem.length, self.problem.height]
         positions = positions[: self.problem.particles]
         planes, distances, curvatures = self.walls.nearest_walls(positions, time)
@@ -200,29 +249,41 @@ class WallBoundary(Boundary):
         factor = self.support_factors(positions, distances)
         view(self.operators.support_factor)[: self.problem.particles] = factor
         view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + SKIN * spacing
-        self.close_gaps(distances)
+        for part in self.parts:
+            part.approach(distances)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
             self.set_grid(time)
+
+    def update_velocity(self, time: float) -> None:
+        """Set the velocities of the points at ``time``, with what the parts know of them at present."""
+        velocity = self.walls.velocities(time)
+        for part in self.parts:
+            velocity = part.velocity(velocity)
+        self.velocity = velocity
 
     def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
         """Return the factors (points,) of the supports at ``positions`` with these ``distances`` from walls."""
         factor = self.walls.support_factor(distances, self.support)
         factor[self.slots] += POINT_SUPPORT / self.support
+        for part in self.parts:
+            factor = part.supports(factor, positions)
         return factor
 
-    def close_gaps(self, distances: np.ndarray) -> None:
-        """Do nothing: walls of given motion keep gaps that hold particles."""
-
     def set_grid(self, time: float) -> None:
-        """Set the walls of the preconditioner's ``grid`` to ``time``: at first, and when they have moved a spacing."""
-        self.grid.set_walls(lambda position: self.walls.distance(position, time))
-        self.grid_time = time
+        """Set the walls of the preconditioner's ``grid`` to ``time``: at first, and when they have moved a spacing.
 
-    def impose_neumann_rows(self) -> None:
-        """Replace the Laplacian at the points by the normal derivative."""
+        On it the pressure is 0 at an outlet.
+        """
+        self.grid.set_walls(*(partial(self.walls.distance, time=time, of=each) for each in self.walls.kinds if each))
+        self.grid_time, self.grid_places = time, [part.places() for part in self.parts]
+
+    def set_rows(self) -> None:
+        """Replace the Laplacian at the points by the normal derivative, but for rows that parts have."""
         view(self.normal)[self.slots] = self.normals
         self.set_neumann_rows()
+        for part in self.parts:
+            part.set_rows()
 
     @property
     def positions(self) -> np.ndarray:
@@ -249,6 +310,9 @@ class WallBoundary(Boundary):
     def apply_impulse(self, equations: "Equations", tolerance: float) -> bool:
         """Apply the impulse of walls that start to move into the fluid; return whether its system was solved."""
         self.measure_own_start()
+        view(equations.pressure.x)[...] = 0.0
+        if any(part.finds_impulse for part in self.parts):
+            return True
         against = self.velocity - self.fluid_velocity
         into = np.abs(self.walls.inwards(self.normals, against)).max() > STRAIGHT * np.abs(against).max()
         if not (self.problem.has_own_start or into):
@@ -270,6 +334,9 @@ class WallBoundary(Boundary):
 
     def begin(self, equations: "Equations") -> None:
         """Give the points their velocities after the start, and the equations the accelerations of the walls."""
+        for part in self.parts:
+            part.end_impulse(equations)
+        self.update_velocity(self.problem.start_time)
         newest = self.newest_velocities
         newest[self.slots] = self.velocity
         self.corners.remove_from(newest, self.positions)
@@ -277,6 +344,8 @@ class WallBoundary(Boundary):
         self.set_accelerations(equations)
         self.update_normal_curls(equations.velocity.x)
         self.store_normal_curls()
+        for part in self.parts:
+            part.begin()
 
     def set_accelerations(self, equations: "Equations") -> None:
         """Set the forcing at the points to body force minus acceleration of the walls, at the start."""
@@ -287,17 +356,21 @@ class WallBoundary(Boundary):
 
     def begin_without_inertia(self, time: float) -> None:
         """Begin at ``time``, with a flow that no earlier one alters."""
+        for part in self.parts:
+            part.reset(time)
         self.move(time)
         self.store_normal_curls()
 
     def forget(self) -> None:
-        """Forget the loads of earlier times, at which the motion was another one."""
-        self.loads.times = []
+        """Forget earlier times, at which the motion was another one."""
+        self.loads.forget()
+        for part in self.parts:
+            part.forget()
 
     def jump(self, time: float) -> None:
         """Give the points the velocities of the walls after ``time``, at which these jump."""
-        self.loads.times = []
-        self.velocity = self.walls.at(math.nextafter(time, math.inf))[2]  # at the very time they have the old ones
+        self.forget()
+        self.update_velocity(math.nextafter(time, math.inf))  # at the very time they have the old ones
         self.newest_velocities[self.slots] = self.velocity
 
     def begin_step(self, weights: TimeWeights) -> None:
@@ -305,6 +378,13 @@ class WallBoundary(Boundary):
         level_weights = weights.extrapolation(min(CURL_LEVELS, max(1, len(self.normal_curls))))
         levels = zip(level_weights, self.normal_curls, strict=False)
         self.present_curls[...] = sum(weight * curl for weight, curl in levels)
+        for part in self.parts:
+            part.begin_step()
+
+    def accelerate(self, acceleration: float) -> None:
+        """Change the body force along x, which acts on free bodies as well."""
+        for part in self.parts:
+            part.accelerate(acceleration)
 
     def solver_velocity(self) -> np.ndarray:
         """Return the velocities (count, components) of the points without the known flow in corners."""
@@ -319,22 +399,36 @@ class WallBoundary(Boundary):
         """Set the right-hand side of the pressure at the points, equation (8), for the present forcing and velocity."""
         fields = equations.pressure.b, equations.forcing, equations.velocity.x, equations.acceleration
         self.set_normal_momentum(*fields, dt, gamma0, viscosity)
+        for part in self.parts:
+            part.set_values(equations, gamma0, viscosity)
 
-    def rows(self) -> WallRows:
+    def stokes_rows(self) -> WallRows:
         """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
-        weight = view(self.weight)[self.slots].astype(float)
-        return WallRows(self.normals, weight, *self.open_parts(), self.walls.strain)
+        weight, fluid = view(self.weight)[self.slots].astype(float), np.ones(self.problem.n_fluid)
+        rows = WallRows(self.normals, weight, np.ones(len(weight)), fluid, self.walls.strain)
+        for part in self.parts:
+            rows = part.stokes_rows(rows)
+        return rows
 
-    def open_parts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the parts (count,) and (fluid,) of equations that hold: 1, where gaps hold particles."""
-        return np.ones(self.walls.count), np.ones(self.problem.n_fluid)
+    def outlet_stress(self) -> np.ndarray:
+        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+        return np.concatenate([np.zeros(0), *(part.outlet_stress() for part in self.parts)])
+
+    def entered(self, position: np.ndarray) -> np.ndarray:
+        """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""
+        for part in self.parts:
+            position = part.entered(position)
+        return position
 
     def store_normal_curls(self) -> None:
         """Store the curl of the vorticity at the points as the newest level."""
         self.normal_curls = [self.present_curls.copy(), *self.normal_curls][:CURL_LEVELS]
 
-    def store(self, time: float) -> None:
+    def accept(self, time: float) -> None:
         """Store the curl of the vorticity and the loads of the newest fields, at ``time``."""
+        for part in self.parts:
+            part.accept(time)
+            self.velocity = part.velocity(self.velocity)
         self.measure_normal_curls()
         self.store_normal_curls()
         self.measure_loads(time)
@@ -343,29 +437,48 @@ class WallBoundary(Boundary):
         """Store the loads of the newest fields, at ``time``."""
         self.loads.measure(time, self.normals, self.velocity, self.extra_stress.wall_stress())
 
-    def bodies(self, time: float, weights: TimeWeights, offset: float) -> Bodies:
-        """Return the bodies at ``time``, an ``offset`` before the end of the last step."""
-        return self.loads.at(time, weights, offset, None)
+    def seen(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
+        """Return bodies and ends in a ``Snapshot`` at ``time``, an ``offset`` before the end of the last step."""
+        contacts = [loads for part in self.parts if (loads := part.contact_loads(time)) is not None]
+        numbers = {"bodies": self.loads.at(time, weights, offset, contacts[0] if contacts else None)}
+        for part in self.parts:
+            numbers |= part.seen(time, weights, offset)
+        return numbers | {"load_scatter": self.load_scatter}
 
     @property
     def load_scatter(self) -> tuple[float, int] | None:
         """Largest scatter of the force on a body from step to step, and the number of the body; None if unknown."""
-        return self.loads.scatter([number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0])
+        groups = [[number for number, body in enumerate(self.walls.bodies) if body.shape.area > 0.0]]
+        for part in self.parts:
+            groups = part.compared(groups)
+        return max((found for group in groups if (found := self.loads.scatter(group))), default=None)
+
+    def residual(self, least: float) -> float:
+        """Return the largest divergence over the gradient of the velocities, or the ``least`` one, of all parts."""
+        return max(super().residual(least), *(part.residual(least) for part in self.parts), 0.0)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return the numbers of the boundary for ``summary.json``."""
+        return {name: value for part in self.parts for name, value in part.numbers().items()}
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        loads = self.loads
-        levels = {"normal_curls": self.normal_curls, "loads": loads.loads, "load_times": loads.times}
-        levels["normal_stresses"] = loads.normal_stresses
-        lists = {name: [array.tolist() for array in arrays] for name, arrays in levels.items()}
-        return {**lists, "grid_time": self.grid_time}
+        curls = [curls.tolist() for curls in self.normal_curls]
+        state = {"normal_curls": curls, **self.loads.state(), "grid": [self.grid_time, self.grid_places]}
+        for part in self.parts:
+            state |= part.host_state()
+        return state
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
-        """Restore the numbers of ``host_state``."""
-        names = "normal_curls", "loads", "load_times", "normal_stresses"
-        levels = [[np.array(values) for values in state[name]] for name in names]
-        self.normal_curls, self.loads.loads, self.loads.times, self.loads.normal_stresses = levels
-        self.set_grid(state["grid_time"])
+        """Restore the numbers of ``host_state``; bodies have moved on since the grid was set."""
+        self.normal_curls = [np.array(curls) for curls in state["normal_curls"]]
+        self.loads.restore(state)
+        time, places = state["grid"]
+        for part, its in zip(self.parts, places, strict=True):
+            part.restore_host_state(state, its)
+        self.set_grid(time)
+        for part in self.parts:
+            part.restore_host_state(state)
 
     @ti.kernel
     def set_neumann_rows(self):
@@ -376,20 +489,12 @@ class WallBoundary(Boundary):
             normal.y *= self.coordinates.radius(i)
             for k in range(self.points.begin[i], self.points.end[i]):
                 slope = normal.x * self.operators.d_dx[k] + normal.y * self.operators.d_dy[k]
-                weight = self.row_weight(i, k, slope)
+                weight = slope
+                for part in ti.static(self.parts):
+                    weight = part.row_weight(i, k, weight)
                 self.operators.laplacian[k] = weight
                 total += weight
             self.operators.diagonal[i] = -total
-
-    @ti.func
-    def row_weight(self, i, k, slope):
-        """Return the weight of neighbour ``k`` in the equation at a point, ``slope`` in the normal derivative."""
-        return slope
-
-    @ti.func
-    def open_part(self, i, value):
-        """Return the part of a right-hand ``value`` at a point that lies in no gap that closes: all of it."""
-        return value
 
     @ti.kernel
     def set_normal_momentum(
@@ -413,7 +518,10 @@ class WallBoundary(Boundary):
     def normal_momentum(self, i, acceleration, viscosity):
         """Return the right-hand side at a point for an ``acceleration`` without pressure and viscosity."""
         along = self.normal[i].x * acceleration.x + self.coordinates.radius(i) * self.normal[i].y * acceleration.y
-        return self.open_part(i, -self.weight[i] * (along - viscosity * self.normal_curl[i]))
+        value = -self.weight[i] * (along - viscosity * self.normal_curl[i])
+        for part in ti.static(self.parts):
+            value = part.open_part(i, value)
+        return value
 
     @ti.kernel
     def add_impulse_momentum(self, right: ti.template(), velocity: ti.template()):

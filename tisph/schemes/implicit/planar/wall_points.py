@@ -58,7 +58,8 @@ class WallPoints:
     """Points on the walls of ``bodies``; positions are in the box of a problem, its lowest corner ``origin``.
 
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
-    ``solid`` (count,): whether a point is on a wall, and not on an open end.
+    ``solid`` (count,): whether a point is on a wall, and not on an open end. ``kinds``: the bodies but outlets, and the
+    outlets.
     """
 
     across_axis = False
@@ -75,6 +76,7 @@ class WallPoints:
             for body, each in zip(bodies, self.outlines, strict=True)
         ]
         self.solid = np.concatenate(solid)
+        self.kinds = [[body for body in bodies if isinstance(body, Outlet) == kind] for kind in (False, True)]
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept_time = math.nan
         self._kept: list[Boundary] = []
@@ -84,11 +86,11 @@ class WallPoints:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
         return body.shape.boundary_points(self.spacing)
 
-    def at(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return positions, normals into the fluid and velocities of the points at ``time``, (count, 2) each."""
+    def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions and normals into the fluid of the points at ``time``, (count, 2) each."""
         boundaries = self._placed(time)
         place = np.concatenate([boundary.point for boundary in boundaries])
-        return place - self.origin, np.concatenate([part.normal for part in boundaries]), self.velocities(time)
+        return place - self.origin, np.concatenate([part.normal for part in boundaries])
 
     def velocities(self, time: float) -> np.ndarray:
         """Return the velocities (count, 2) of the points at ``time``."""
@@ -206,9 +208,9 @@ class WallPoints:
         self._placed(time)
         return [body.at(time) if body.free else kept for body, kept in zip(self.bodies, self._kept_states, strict=True)]
 
-    def distance(self, place: np.ndarray, time: float) -> np.ndarray:
-        """Return the distances (n,) of positions (n, 2) from the nearest wall, negative outside the fluid."""
-        return np.min([body.nearest(place + self.origin, time).distance for body in self.bodies], axis=0)
+    def distance(self, place: np.ndarray, time: float, of: Sequence[Any]) -> np.ndarray:
+        """Return the distances (n,) of positions (n, 2) from the nearest ``of`` the bodies, negative beyond a wall."""
+        return np.min([body.nearest(place + self.origin, time).distance for body in of], axis=0)
 
     def nearest_walls(self, place: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the tangent planes of the nearest walls of each of the positions (n, 2), at the closest points.

@@ -22,10 +22,11 @@ FEW = ["--set", "discretisation.particles_across=20"]
 
 
 def examples():
-    """Files of the page by the path before each block of code, and the scene, to which the page links."""
-    found = re.findall(r"`([\w/]+\.(?:py|yaml))`:\n\n```(?:python|yaml)\n(.*?)```\n", PAGE, re.DOTALL)
-    scene = (ROOT / "docs" / "examples" / "shear_wave.py").read_text(encoding="utf-8")
-    return {**dict(found), "tisph/scenes/shear_wave.py": scene}
+    """Files of the page by their paths: those to which it links, and the blocks of code after a path."""
+    blocks = re.findall(r"`([\w/]+\.(?:py|yaml))`:\n\n```(?:python|yaml)\n(.*?)```\n", PAGE, re.DOTALL)
+    links = re.findall(r"\[`(tisph/[\w/]+\.py)`\]\(\.\./examples/(\w+\.py)\)", PAGE)
+    files = {path: (ROOT / "docs" / "examples" / name).read_text(encoding="utf-8") for path, name in links}
+    return {**dict(blocks), **files}
 
 
 @pytest.fixture(scope="module")

@@ -90,53 +90,6 @@ def test_motions(bodies):
     assert not swinging.rotation.velocity(0.3)
 
 
-BAD = {
-    "type": ("{type: circel, centre: [0, 0], radius: 1}", ":7: bodies.0.type", "nearest: circle"),
-    "key": ("{centre: [0, 0], radus: 1}", ":7: bodies.0.radus = 1: unknown key; nearest: radius", "allowed: "),
-    "key of motion": (
-        "{centre: [0, 0], radius: 1, motion: {angular_velocty: 1}}",
-        "bodies.0.motion.angular_velocty = 1: unknown key; nearest: angular_velocity",
-    ),
-    "missing": ("{centre: [0, 0]}", "bodies.0.radius: is missing"),
-    "radius": ("{centre: [0, 0], radius: -1}", "bodies.0.radius = -1: must be greater than 0"),
-    "one half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1]}", "bodies.0.half_axes.1: is missing"),
-    "half axis": ("{type: ellipse, centre: [0, 0], half_axes: [1, 0]}", "bodies.0.half_axes.1 = 0"),
-    "centre": ("{centre: [0, 0, 0], radius: 1}", "bodies.0.centre = [0, 0, 0]: must have at most 2 items"),
-    "word": ("{centre: [0, 0], radius: 1, motion: loose}", "bodies.0.motion = \"loose\": must be 'fixed' or 'free'"),
-    "no motion": ("{centre: [0, 0], radius: 1, motion: {}}", "bodies.0.motion: give velocity or angular_velocity"),
-    "two motions": (
-        "{centre: [0, 0], radius: 1, motion: {angular_velocity: 1, angular_amplitude: 1, angular_frequency: 1}}",
-        "bodies.0.motion.angular_velocity = 1.0: is only for a body of constant velocity",
-    ),
-    "no frequency": (
-        "{centre: [0, 0], radius: 1, motion: {angular_amplitude: 1}}",
-        "bodies.0.motion.angular_frequency: is missing",
-    ),
-    "phase": (
-        "{centre: [0, 0], radius: 1, motion: {angular_velocity: 1, phase: sin}}",
-        'bodies.0.motion.phase = "sin": is only for a body that oscillates',
-    ),
-    "two corners": (
-        "{type: polygon, corners: [[0, 0], [1, 0]]}",
-        "bodies.0.corners",
-        "three corners (x, y) or more, not 2",
-    ),
-    "crossing": ("{type: polygon, corners: [[0, 0], [1, 1], [1, 0], [0, 1]]}", "bodies.0.corners", "meets itself"),
-    "too round": (
-        "{type: polygon, corners: [[0, 0], [1, 0], [1, 1], [0, 1]], corner_radius: 0.6}",
-        "do not fit: at most 0.5",
-    ),
-}
-
-
-@pytest.mark.parametrize(("line", "texts"), [(line, texts) for line, *texts in BAD.values()], ids=BAD)
-def test_bad_input_is_named_with_what_is_allowed(bodies, line, texts):
-    with pytest.raises(ConfigError) as caught:
-        bodies(line)
-    for text in texts:
-        assert text in str(caught.value)
-
-
 def test_bodies_need_two_spacings_of_room():
     """At walls, among themselves and their copies, and on the way of those that move."""
     spacing, periods = 0.02, (1.0, math.inf)
@@ -250,47 +203,3 @@ def test_a_fraction_that_is_too_large_names_one_that_fits(read):
     fits = float(str(refused.value).rpartition(" ")[2])
     assert 0.4 < fits < 0.7
     assert len(circles(read("channel", f"bodies.fraction={fits}"))) == round(fits * 1.5 / (math.pi * 0.08**2))
-
-
-BAD_SUSPENSIONS = {
-    "one key": ("{fraction: 0.1}", "bodies.radius: is missing"),
-    "type": ("{type: random_circle, radius: 0.1, fraction: 0.1}", "bodies.type", "nearest: random_circles"),
-    "a shape": ("{type: circle, centre: [0.5, 0.5], radius: 0.1}", "bodies: must be a list", "{type: random_circles}"),
-    "no map": ("3", "bodies = 3: must be a list", "or a map such as {type: random_circles}"),
-    "key": ("{radus: 0.1, fraction: 0.1}", "bodies.radus = 0.1: unknown key; nearest: radius; allowed: motion"),
-    "place": ("{radius: 0.1, fraction: 0.1, centre: [0, 0]}", "bodies.centre = [0, 0]: unknown key"),
-    "key in list": ("[{radus: 0.1, centre: [0, 0]}]", "bodies.0.radus = 0.1: unknown key; nearest: radius"),
-    "radius": ("{radius: big, fraction: 0.1}", "bodies.radius = ", "must be a number, or a list of radii"),
-    "radii": ("{radius: [0.1, -1], fraction: 0.1}", "bodies.radius.1 = -1: must be greater than 0"),
-    "motion": ("{radius: 0.1, fraction: 0.1, motion: {velocty: [1, 0]}}", "bodies.motion.velocty", "nearest: velocity"),
-    "too few shares": ("{radius: [0.1, 0.2], shares: [1.0], fraction: 0.1}", "must be as many as the radii, 2"),
-    "shares": ("{radius: [0.1, 0.2], shares: [0.5, 0.4], fraction: 0.1}", "must add up to 1, but make 0.9"),
-    "too small a fraction": (
-        "{radius: 0.2, fraction: 0.01}",
-        "is too small for a circle of radius 0.2",
-        "fills 0.08378",
-    ),
-    "too many": ("{radius: 1.0e-20, fraction: 0.5}", "bodies.fraction = 0.5: makes", "at most 100 bodies are allowed"),
-    "too large a circle": ("{radius: 0.49, fraction: 0.6}", "so many circles, 1; nor for fewer"),
-    "too small a circle": (
-        "{radius: 0.04, fraction: 0.1}",
-        "bodies.radius = 0.04",
-        "has 2.4 spacings; it needs at least",
-    ),
-    "gap": ("{radius: 0.1, fraction: 0.4, least_gap: 0.02}", "bodies.least_gap = 0.02: body ", "leave 2 spacings"),
-    "way": (
-        "{radius: 0.1, fraction: 0.3, motion: {velocity: [0.0, 0.5]}}",
-        "bodies.motion: body ",
-        "of walls.top at time",
-    ),
-}
-
-
-@pytest.mark.parametrize(
-    ("section", "texts"), [(section, texts) for section, *texts in BAD_SUSPENSIONS.values()], ids=BAD_SUSPENSIONS
-)
-def test_bad_suspensions_are_named_with_what_is_allowed(read, section, texts):
-    with pytest.raises(ConfigError) as caught:
-        read("channel", f"bodies={section}")
-    for text in texts:
-        assert text in str(caught.value)

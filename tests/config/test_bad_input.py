@@ -37,12 +37,6 @@ def message(tmp_path):
     return load_bad
 
 
-def test_the_good_file_is_good(tmp_path):
-    path = tmp_path / "case.yaml"
-    path.write_text(GOOD)
-    assert load(path).name == "case"
-
-
 # (what to replace in GOOD, by what, what the message must contain)
 TEXT_CASES = {
     "not_yaml": (GOOD, "a: [1, 2", ["case.yaml:1: is not YAML"]),
@@ -72,6 +66,7 @@ TEXT_CASES = {
     ),
     "unknown_nested": ("density:", "densty:", ["case.yaml:3: fluid.densty = 1000.0: unknown key; nearest: density"]),
     "misplaced": ("scene: channel", "scene: channel\nsamples: [1]", ["case.yaml:2: samples", "nearest: time.samples"]),
+    "no_scene": ("scene: channel\n", "", ["case.yaml: scene: is missing"]),
     "missing": ("  density: 1000.0\n", "", ["case.yaml:2: fluid.density: is missing"]),
     "missing_top": ("time:\n  end: 2.7\n", "", ["case.yaml: time: is missing"]),
     "quoted_number": ("1000.0", '"0.5"', ['case.yaml:3: fluid.density = "0.5": must be a number']),
@@ -110,101 +105,22 @@ def test_bad_text(message, case):
     assert text.replace("\n", " ").isprintable()
 
 
-# override of GOOD, what the message must contain
-OVERRIDE_CASES = [
-    ("fluid", ["must look like key.path=value"]),
-    ("=1", ["must look like key.path=value"]),
-    ("a..b=1", ["must look like key.path=value"]),
-    ("time.end=[1", ["--set time.end=[1", "is not YAML"]),
-    ("time.end=!!float 3", ["tags are not allowed"]),
-    ("time.end=", ["time.end = null: must be a number"]),
-    ("time.end.x=3", ["time.end is not a map of keys"]),
-    ("time.samples.0=1.5", ["--set time.samples.0=1.5: time.samples: must be a list such as [1.0, 2.0]"]),
-    ("wals.top.velocity=1", ["--set wals.top.velocity=1: wals: unknown key; nearest: walls"]),
-    ("time.edn=3", ["--set time.edn=3: time.edn = 3: unknown key; nearest: end"]),
-    ("fluid.kinematic_viscosity=1e-6", ["exactly one of dynamic_viscosity, kinematic_viscosity", "are given"]),
-    ("fluid.dynamic_viscosity=null", ["exactly one of dynamic_viscosity, kinematic_viscosity", "none is given"]),
-    ("discretisation={spacing: 2.0e-4, particles_across: 50}", ["exactly one of particles_across, spacing"]),
-    ("discretisation.spacing=-1", ["discretisation.spacing = -1: must be greater than 0"]),
-    ("discretisation.spacing=3.0e-4", ["must divide the gap", "nearest valid spacing: 0.00030303030303 or 0.00029411"]),
-    (
-        "geometry.length=0.0201",
-        [
-            "--set geometry.length=0.0201: geometry.length = 0.0201: 50 particles across make 100.5 columns",
-            "nearest valid geometry.length: 0.02 or 0.0202; nearest valid particles_across: 100",
-        ],
-    ),
-    ("geometry.length=0.02001", ["whole number; nearest valid geometry.length: 0.02 or 0.0202$"]),
-    ("geometry.length=0.0019", ["no whole number; nearest valid geometry.length: 0.002;", "particles_across: 100"]),
-    ("geometry.length=0.0018", ["must be at least 0.002, 10 particle spacings"]),
-    ("discretisation.particles_across=5", ["particles_across = 5: must be at least 6"]),
-    ("discretisation.particles_across=-5", ["particles_across = -5: must be at least 6"]),
-    ("discretisation.spacing=2.0e-3", ["at least 6 particles", "spacing at most 0.00166667"]),
-    ("discretisation={particles_across: 9, smoothing_ratio: 3}", ["at least 10 particles"]),
-    ("discretisation.particles_across=50.5", ["50.5: must be a whole number"]),
-    ("discretisation.particles_across=4000", ["3.2e+07 particles", "88.3 GB of memory", "at most 20000000"]),
-    ("discretisation.particles_across=1000000000000", ["PB of memory"]),
-    ("discretisation.spacing=1e-30", ["PB of memory"]),
-    ("discretisation={particles_across: 50, kernel: quintic_splin}", ["nearest: quintic_spline"]),
-    ("discretisation={particles_across: 50, smoothing_ratio: 4}", ["must be at most 3"]),
-    ("discretisation={particles_across: 50, precision: f16}", ["'f64' or 'f32'"]),
-    ("walls.treatment=adami", ["must be a map such as {type: adami}"]),
-    ("walls.treatment={type: adamy}", ['walls.treatment.type = "adamy"', "nearest: adami"]),
-    ("walls.treatment={type: _images}", ["must be one of adami, comoving_image, consistent_image"]),
-    ("walls.treatment={type: adami, layers: 3}", ["walls.treatment.layers = 3: unknown key; allowed: type"]),
-    ("scheme={accuracy: quick}", ["scheme.accuracy = \"quick\": must be 'fast', 'balanced' or 'high'"]),
-    ("scheme={accuracy: fast, artificial_viscosity: 0.1}", ["scheme.accuracy", "unknown key", "artificial_viscosity"]),
-    ("scheme={type: spectral}", ["scheme.type", "wcsph"]),
-    ("scheme={type: wcsph, equation_of_state: {gamma: 0}}", ["equation_of_state.gamma = 0: must be at least 1"]),
-    ("scheme={type: wcsph, equation_of_state: {sound_speed: 0}}", ["must be greater than 0", "or auto"]),
-    ("scheme={type: wcsph, equation_of_state: {sound_speed: fast}}", ["must be a number, or auto"]),
-    ("scheme={type: wcsph, equation_of_state: {sound_speed: 1.0, bulk_modulus: 1.0}}", ["exactly one of sound_speed"]),
-    ("scheme={type: wcsph, equation_of_state: {pressure_cutoff: 1.0}}", ["must be less than 0"]),
-    ("initial.state=moving", ["'rest', 'developed' or 'exact'"]),
-    ("initial.time=1.0", ["only with state exact"]),
-    ("initial={state: exact}", ["initial.time", "must be greater than 0"]),
-    ("initial={state: exact, time: 2.7}", ["time.end = 2.7: must be after the start of the run at 2.7"]),
-    ("initial={state: exact, time: -1}", ["initial.time = -1: must be at least 0"]),
-    ("initial.jitter=0.5", ["must be less than 0.5"]),
-    ("initial.seed=-1", ["must be at least 0"]),
-    ("time.samples=[]", ["time.samples = []: must not be empty"]),
-    ("time.samples=1.8", ["time.samples = 1.8: must be a list"]),
-    ("time.samples=[1.8, 2.8]", ["time.samples.1 = 2.8: must be inside the run, 0 to 2.7"]),
-    ("time.samples=[-1.0, 1.8]", ["time.samples.0 = -1.0: must be inside the run"]),
-    ("time.samples=[1.8, 1.0]", ["time.samples.1 = 1.0: must be greater than the sample before it, 1.8"]),
-    ("time.samples=[1.8, 1.8]", ["must be greater than the sample before it"]),
-    ('time.samples=["1.8"]', ['time.samples.0 = "1.8": must be a number']),
-    ("time.cfl=0", ["must be greater than 0, or auto"]),
-    ("time.cfl=1.5", ["must be at most 1, or auto"]),
-    ("tracers.count=1", ["tracers.count = 1: must be at least 2"]),
-    ("tracers.x=0.03", ["tracers.x = 0.03: must be inside the channel: centre, or 0 to 0.02"]),
-    ("probes.count=1", ["probes.count = 1: must be at least 2"]),
-    ("tracers.x=left", ["must be a number, or centre"]),
-    ("output.video={width: 641}", ["output.video.width = 641: must be a multiple of 2"]),
-    ("output.video={width: 638}", ["output.video.width = 638: must be at least 640"]),
-    ("output.video={height: 300}", ["must be at least 320"]),
-    ("output.video={width: 4000}", ["output.video", "4000 x 640 leaves no room", "0.5 to 5 times the height"]),
-    ("output.video={width: 640, height: 1282}", ["output.video", "640 x 1282 leaves no room"]),
-    ("output.video={fps: 0}", ["must be at least 1"]),
-    ("output.video={frames: 1}", ["must be at least 2"]),
-    ("output.video=true", ["output.video = true: must be a map"]),
-    ("output.checkpoint_every=0", ["must be greater than 0"]),
-    ("runtime.arch=cuda", ["must be 'cpu'"]),
-    ("runtime.threads=0", ["must be at least 1, or auto"]),
-    ("runtime.threads=257", ["must be at most 256, or auto"]),
-    ("units.length=$x$", ["units.length", "must be a unit label"]),
-    ("geometry={gap: 1,5, length: 2}", ["key '5': keys must be words; a decimal comma? write gap: 1.5"]),
-    ("geometry={1,5: 2}", ["key '1': keys must be words$"]),
-    ("name=../up", ['name = "../up": must be a folder name']),
-    ("name=.hidden", ["must be a folder name"]),
-    ("name=" + "n" * 65, ["must be a folder name", "1 to 64"]),
-]
-
-
-@pytest.mark.parametrize(("override", "wanted"), OVERRIDE_CASES, ids=[case[0][:60] for case in OVERRIDE_CASES])
-def test_bad_override(message, override, wanted):
-    text = f"{message(GOOD, override)}$"
-    assert [part for part in wanted if part not in text] == []
+@pytest.mark.parametrize(
+    ("override", "wanted"),
+    [
+        ("fluid", "must look like key.path=value"),
+        ("=1", "must look like key.path=value"),
+        ("a..b=1", "must look like key.path=value"),
+        ("time.end=[1", "--set time.end=[1: the value is not YAML"),
+        ("time.end=!!float 3", "tags are not allowed"),
+        ("time.end.x=3", "time.end is not a map of keys"),
+        ("geometry={gap: 1,5, length: 2}", "key '5': keys must be words; a decimal comma? write gap: 1.5"),
+        ("geometry={1,5: 2}", "key '1': keys must be words"),
+        ("ends.left.flow_rate=1", "unknown key; velocity is the mean over the inlet: the flow rate over its width"),
+    ],
+)
+def test_an_override_that_is_none_is_refused(message, override, wanted):
+    assert wanted in message(GOOD + "ends: {left: {type: inlet, velocity: 1}, right: {type: outlet}}\n", override)
 
 
 def test_several_mistakes_are_listed_in_the_order_of_the_lines(message):
@@ -263,37 +179,6 @@ def test_whole_numbers_may_be_written_as_floats(tmp_path, message):
     assert (across, type(across)) == (10, int)
     for value in ("10.5", "true", "'10'"):
         assert "must be a whole number" in message(GOOD, f"discretisation.particles_across={value}")
-
-
-@pytest.mark.parametrize(
-    ("key", "hint"),
-    [("drive.pressure_gradient", "nearest: drive.acceleration, the force"), ("inlet", "open ends are only for scene")],
-)
-def test_unknown_keys_of_other_programs_have_a_hint(message, key, hint):
-    assert f"unknown key; {hint}" in message(GOOD, f"{key}=1")
-
-
-@pytest.mark.parametrize(
-    ("key", "words"),
-    [
-        ("walls.top.slip", "no wall slips"),
-        ("walls.top.type", "walls have no type"),
-        ("ends.left.max_velocity", "velocity is the mean over the inlet"),
-        ("ends.left.flow_rate", "velocity is the mean over the inlet: the flow rate over its width"),
-        ("ends.left.pressure", "no pressure is given at ends"),
-        ("fluid.viscosity", "dynamic_viscosity, or kinematic_viscosity = "),
-    ],
-)
-def test_unknown_keys_of_other_quantities_say_what_there_is(message, key, words):
-    ends = GOOD + "ends: {left: {type: inlet, velocity: 1.0}, right: {type: outlet}}\n"
-    found = message(ends, f"{key}=1")
-    assert f"unknown key; {words}" in found
-    assert "nearest" not in found
-
-
-@pytest.mark.parametrize("key", ["walls.top.max_velocity", "walls.top.end", "fluid.viscosity_kinematic_ratio"])
-def test_a_hint_is_no_key_of_another_meaning_or_place(message, key):
-    assert f"{key} = 1: unknown key; allowed: " in message(GOOD, f"{key}=1")
 
 
 def test_not_utf8(message):

@@ -386,30 +386,14 @@ def own(name):
     return varied
 
 
-QUICK = {
-    *(
-        "first",
-        "explicit",
-        "fixed image",
-        "implicit",
-        "exact",
-        "before",
-        "swinging",
-        "at times",
-        "stress",
-        "stress below",
-    ),
-    *("swinging stress", "swinging stress below", "stresses", "stresses below", "carreau_yasuda"),
-    *("moving body", "free body", "stream"),
-}
-"""Forms of a channel that fit, with those of an annulus, into two minutes of processor time; the others are slow."""
+QUICK = {"channel: first", "channel: swinging", "channel: stresses", "channel: carreau_yasuda", "channel: stress below"}
+QUICK |= {"channel: free body", "channel: stream", "annulus: first", "annulus: before"}
+"""Forms that fit into a minute of processor time and have all kinds of keys; the others are slow."""
 
 
 def cost(name):
     """Return the form as a parameter, marked as slow where it is."""
-    scene, chosen = name.split(": ")
-    quick = scene == "annulus" or (scene == "channel" and chosen in QUICK)
-    return pytest.param(name, marks=[] if quick else pytest.mark.slow)
+    return pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow)
 
 
 @pytest.mark.parametrize("name", map(cost, NAMES))

@@ -8,7 +8,6 @@ from report_scene import Drawn, make_video
 
 from tisph.cli.run import result_text
 from tisph.config import load
-from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
@@ -57,20 +56,6 @@ def scene_initial(scene):
 
 def measured(scene, snapshot, energies=STEADY):
     return sample_metrics(scene, snapshot, ((), np.array([0.03]), (TIMES, energies)))
-
-
-@pytest.mark.parametrize(
-    ("overrides", "key"),
-    [
-        (["walls.lid.velocity=0"], "walls.lid.velocity"),
-        (["geometry.height=1.01"], "geometry.height"),
-        (["walls.lid.profile=blunt"], "walls.lid.profile"),
-        (["time.tolerance=1e-6"], "time.tolerance"),
-    ],
-)
-def test_bad_configs_are_refused_with_a_specific_message(case, overrides, key):
-    with pytest.raises(ConfigError, match=key):
-        case(*overrides)
 
 
 def test_particles_fill_the_box(case):

@@ -15,7 +15,6 @@ from report_scene import Drawn, make_video
 
 from tisph import scenes
 from tisph.config import load
-from tisph.errors import ConfigError
 from tisph.measures.fits import cell_mean, section_mean
 from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
@@ -51,11 +50,6 @@ bodies: [{{centre: [3.2, 1.0], radius: 0.3}}]
 discretisation: {{particles_across: 40}}
 """
 SHARP = "{type: polygon, centre: [0.5, 0.5], corners: [[-0.2, -0.15], [0.2, -0.15], [0, 0.2]]}"
-THIN = (
-    "{type: polygon, centre: [0.5, 0.5], angle: 0.4, "
-    "corners: [[-0.2, -0.07], [0.2, -0.07], [0.2, 0.07], [-0.2, 0.07]], corner_radius: 0.065}"
-)
-BOX = "{type: polygon, centre: [3, 1], corners: [[-1, -1], [1, -1], [1, 1], [-1, 1]]}"
 SANGANI_ACRIVOS = {0.05: 15.56, 0.1: 24.83, 0.2: 51.53, 0.3: 102.90, 0.4: 217.89}
 """Drag over dynamic viscosity times mean velocity, by solid fraction of a square array."""
 
@@ -108,42 +102,6 @@ def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
     assert loaded(tmp_path, config.resolved_yaml()) == config
 
 
-@pytest.mark.parametrize(("text", "change", "said"), [
-    (LATTICE, "drive.acceleration=0.0", "nothing moves"),
-    (LATTICE.replace("0.25}]", "0.25, motion: free}]"), "drive.acceleration=0.0", "nothing moves"),
-    (LATTICE, "bodies=[]", "bodies = []: must not be empty"),
-    (LATTICE, "discretisation={spacing: 10.0}", "must fit across the height"),
-    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.47}]", "its own periodic copy"),
-    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "a circle of radius 0.0625 has 2 spacings; it needs"),
-    (LATTICE, "bodies=[{centre: [0.5, 0.5], radius: 0.0625}]", "at least 2.5: particles_across: 40"),
-    (CHANNEL, "bodies=[{centre: [0.5, 0.5], radius: 0.025}]", "has 0.6 spacings; it needs at least 2.5"),
-    (LATTICE, f"bodies=[{SHARP}]", "bodies.0.corner_radius = 0.0: a corner of radius 0 has 0 spacings"),
-    (LATTICE, f"bodies=[{SHARP}]", "it needs at least 2: corner_radius: 0.0625"),
-    (LATTICE, "bodies=[{type: curve, centre: [0.5, 0.5], points: [[0.3, 0], [0, 0.05], [-0.3, 0], [0, -0.05]]}]",
-     "a bend of radius"),
-    (LATTICE, f"bodies=[{THIN}]", "[-0.2, 0.07]]: a body 0.14 wide has 4.48 spacings"),
-    (LATTICE, f"bodies=[{THIN}]", "it needs at least 5: particles_across: 36"),
-    (REGION, f"walls.around={BOX}", "walls.around.corner_radius = 0.0: a corner of radius 0 has 0 spacings;"),
-    (REGION, f"walls.around={BOX}", "it needs at least 1: corner_radius: 0.05"),
-    (LATTICE, "geometry.length=1.01", "nearest valid geometry.length: 1 or 1.03125"),
-    (LATTICE, "discretisation.particles_across=16", "18 particle spacings"),
-    (LATTICE, "scheme.type=wcsph", "wcsph cannot serve bodies"),
-    (CHANNEL, "bodies=[{centre: [0.1, 0.75], radius: 0.2}]", "walls.top"),
-    (CHANNEL, "walls.treatment.type=adami", "must be left out"),
-    (CHANNEL, "walls.top.velocity_before=0.5", "the run starts from rest"),
-    (CHANNEL, "initial.state=exact", "must be rest or developed"),
-    (CHANNEL, "tracers.count=5", "forces"),
-    (REGION, "drive.acceleration=1.0", "the pressure balances it"),
-    (REGION, "geometry={length: 1.0, height: 1.0}", "not allowed with walls.around"),
-    (REGION, "walls.around.motion={velocity: [1.0, 0.0]}", "may only turn"),
-    (REGION, "bodies=[{centre: [3.8, 1.0], radius: 0.3}]", "overlaps walls.around"),
-])  # fmt: skip
-def test_what_cannot_be_is_refused(tmp_path, text, change, said):
-    with pytest.raises(ConfigError) as refused:
-        loaded(tmp_path, text, change)
-    assert said in str(refused.value)
-
-
 def test_what_a_config_has_of_what_it_needs_is_stated(tmp_path):
     lines = dict(scene_of(loaded(tmp_path, CHANNEL)).parameters())
     assert lines["smallest radius"] == "0.2 m, 4.8 spacings (at least 2, a circle 2.5; resolved from 3 on)"
@@ -156,14 +114,6 @@ def test_forces_are_measured_by_what_drives_or_by_viscosity(tmp_path, viscosity,
     changes = "drive.acceleration=3.0", "geometry.length=2.0", "reference={velocity: 1.0}"
     scene = scene_of(loaded(tmp_path, LATTICE, *changes, f"fluid.kinematic_viscosity={viscosity}"))
     assert scene.force_scale == pytest.approx(scale, rel=1e-9)
-
-
-def test_bodies_that_meet_later_are_refused(tmp_path):
-    bodies = (
-        "bodies=[{centre: [0.2, 0.2], radius: 0.1, motion: {velocity: [0.0, 0.5]}}, {centre: [0.2, 0.7], radius: 0.1}]"
-    )
-    with pytest.raises(ConfigError, match="at time"):
-        loaded(tmp_path, LATTICE, bodies)
 
 
 @pytest.mark.parametrize("fraction", SANGANI_ACRIVOS)

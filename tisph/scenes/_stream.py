@@ -169,7 +169,7 @@ def profile_problems(config: Any) -> Iterator[Problem]:
     if least < -1e-9 * course_of(config.ends.inlet).largest_speed:
         text = f"lets fluid out through the inlet: its mean velocity is {least:.4g} at t = {when:.4g}"
         changing = "velocities" if config.ends.inlet.velocities else "amplitude"
-        yield f"ends.{side}.{changing}", f"{text}; flow that reverses is not there with open ends"
+        yield f"ends.{side}.{changing}", f"{text}; the inflow must not reverse"
     if depends_on_flow_rate(config) and (config.ends.inlet.velocities or config.ends.inlet.amplitude):
         text = "must be parabolic, uniform or a table where the mean velocity changes"
         yield key, f"{text}: a developed {config.fluid.rheology.type} flow has another profile at each velocity"

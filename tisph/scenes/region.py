@@ -335,7 +335,7 @@ class Config(schema.Config):
         yield from _coordinate_problems(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
-            yield "drive.acceleration", "drives no flow inside a closed wall: the pressure balances it"
+            yield "drive.acceleration", "must be 0 inside a closed wall, where the pressure balances it"
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
         bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))

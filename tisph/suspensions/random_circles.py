@@ -104,7 +104,7 @@ class Parameters(Shared):
         if 0 in counts:
             radius = self.radii[counts.index(0)]
             alone = math.pi * radius**2 / region.area
-            return f"is too small for a circle of radius {radius:g}, which fills {alone:.4g} of the area alone"
+            return f"must be at least {alone:.4g}, the fraction of one circle of radius {radius:g}"
         many = sum(counts)
         return f"makes {many} circles; at most {MOST_BODIES} bodies are allowed" if many > MOST_BODIES else ""
 
@@ -116,5 +116,7 @@ class Parameters(Shared):
             fits = self._centres(self._counts(middle, region), region) is not None
             low, high = (middle, high) if fits else (low, middle)
         all_there = 0 not in self._counts(low, region)
-        largest = f"the largest fraction for which they were is {low:g}" if all_there else "nor for fewer"
-        return f"no places with gaps of {self.least_gap:.4g} were found for so many circles, {count}; {largest}"
+        fewer = (
+            f"the largest fraction for which they were is {low:g}" if all_there else "nor for fewer: take smaller ones"
+        )
+        return f"no places with gaps of {self.least_gap:.4g} were found for so many circles, {count}; {fewer}"

@@ -19,11 +19,11 @@ def files_page():
 
 
 def tables(section):
-    """Return the tables of a section: one, or one for each kind of flow, with a line before it."""
+    """Return the tables of a section: one, or one for each of its parts, with a title."""
     parts = SECTIONS[section]
     if any(isinstance(part, str) for part in parts.values()):
         return table(parts)
-    return "\n".join(f"In {title}:\n\n{table(rows)}" for title, rows in parts.items())
+    return "\n".join(f"{title[0].upper()}{title[1:]}:\n\n{table(rows)}" for title, rows in parts.items())
 
 
 def table(rows):

@@ -254,7 +254,7 @@ def exercise_texts(flow, exercises):
 def index(links, said):
     """Return the first page of the gallery: panels of all flows, three a row, with their titles; ``links`` by name."""
     head = "# Gallery\n\nOne page a flow: why one looks at it, a movie, numbers beside the reference, two exercises."
-    tiles = {name: f"![{flow['alt']}]({name}-panel.jpg)<br>{flow['title']}" for name, flow in flows().items()}
+    tiles = {name: f"![]({name}-panel.jpg)<br>{flow['title']}" for name, flow in flows().items()}  # the title says it
     cells = [f"[{tile}]({links[name]})" for name, tile in tiles.items()]
     rows = [cells[first : first + ACROSS] for first in range(0, len(cells), ACROSS)]
     rows[-1] += [""] * (ACROSS - len(rows[-1]))

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inside import Description
 from typer.testing import CliRunner
 
 import tisph
@@ -19,7 +18,7 @@ from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity
 from tisph.measures.metrics import sample_metrics
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Description, Samples
 from tisph.results.export import FORMATS, export
 from tisph.snapshot import Bodies, Snapshot
 

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from inside import clearance_problems as problems
 
 from tisph import registry, scenes
+from tisph.bodies._clearance import problems
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.geometry.body import Body, smallest_gap

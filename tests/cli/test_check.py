@@ -9,14 +9,16 @@ from pathlib import Path
 import estimates as study
 import pytest
 from fake_runs import FakeRuns, make_result
-from inside import MOST_STEPS, SampleEstimate, off_layers, time_step_limits
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
 from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.schemes import _forecast, resolve
+from tisph.schemes._estimate import MOST_STEPS, off_layers
 from tisph.schemes._forecast import ERROR_FACTORS, estimates
+from tisph.schemes._protocol import SampleEstimate
+from tisph.schemes.wcsph._time_step import time_step_limits
 from tisph.schemes.wcsph.equation_of_state import Tait, sound_speed
 from tisph.studies import processes
 from tisph.studies import stability as matrix

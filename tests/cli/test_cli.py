@@ -9,7 +9,6 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from inside import step_counts
 from typer.testing import CliRunner
 
 import tisph
@@ -17,6 +16,7 @@ from tisph import cli, runtime
 from tisph.config import load
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
+from tisph.schemes._estimate import step_counts
 from tisph.schemes._forecast import estimates
 
 ROOT = Path(tisph.__file__).parents[1]

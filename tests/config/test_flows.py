@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inside import problem_of
 
 from tisph import registry
 from tisph.config import load
 from tisph.config.checks import REALS, estimated_bytes
 from tisph.errors import ConfigError
+from tisph.schemes.implicit.planar.problem import problem_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from inside import CornerSingularities
 
 from tisph.exact.sliding_corner import CornerSingularity
+from tisph.schemes.implicit.planar.corner_singularities import CornerSingularities
 
 NU, SPEED = 0.01, 1.3
 WAYS = np.eye(2)

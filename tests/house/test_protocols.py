@@ -6,14 +6,13 @@ import re
 import sys
 from pathlib import Path
 
-import inside
 import pytest
-from inside import scene_protocol as _scene
-from inside import scheme_protocol as _protocol
 
 from tisph import registry, scenes
 from tisph.config import load, schema
 from tisph.config.base import Model
+from tisph.scenes import _scene
+from tisph.schemes import _protocol
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 EXAMPLES = {
@@ -186,8 +185,3 @@ def test_every_member_has_a_summary(name):
 @pytest.mark.parametrize("kernel", registry.names("kernels"))
 def test_every_kernel_tells_its_support(kernel):
     assert registry.constant("kernels", kernel, "SUPPORT") > 0
-
-
-@pytest.mark.parametrize("name", inside.PLACES)
-def test_inner_parts_that_tests_look_at_are_there(name):
-    assert getattr(inside, name) is not None

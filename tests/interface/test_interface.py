@@ -8,13 +8,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import listen as _listen
-from inside import message_error as _error
-from inside import typed
 
 import tisph
 from tisph.config.loader import config_file, override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
+from tisph.interface import _error, _listen
+from tisph.results._results import typed
 
 MOST_LINES = 260
 """Of ``help(tisph)``: two screens of 65 lines."""

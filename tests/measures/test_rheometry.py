@@ -7,15 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import amplitudes as _amplitudes
-from inside import creep as _creep
-from inside import flow_curve as _flow_curve
-from inside import middle as _middle
-from inside import oscillation as _oscillation
-from inside import slowest_pair as _slowest_pair
-from inside import start_up as _start_up
-from inside import step_strain as _step_strain
-from inside import window as _window
 from oracles.circular_couette import CircularCouette, Rotation
 from typer.testing import CliRunner
 
@@ -33,7 +24,21 @@ from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 from tisph.measures import rheometry, viscometers
-from tisph.measures.rheometry import as_plane, read, read_schedule, together
+from tisph.measures.rheometry import (
+    _amplitudes,
+    _creep,
+    _flow_curve,
+    _middle,
+    _oscillation,
+    _slowest_pair,
+    _start_up,
+    _step_strain,
+    _window,
+    as_plane,
+    read,
+    read_schedule,
+    together,
+)
 from tisph.measures.viscometers import Reading
 from tisph.report import plots as report
 

@@ -6,10 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import STRESS_BY_BODIES as BODIES
-from inside import STRESS_BY_CONTACTS as CONTACTS
-from inside import STRESS_ON_WALLS as WALLS
-from inside import Contact
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
@@ -20,6 +16,10 @@ from tisph.measures.rheometry import read
 from tisph.measures.viscometers import batch_means, rabinowitsch, read_viscometer, wall_factor
 from tisph.report import plots as report
 from tisph.scenes import of
+from tisph.scenes._cell_flow import STRESS_BY_BODIES as BODIES
+from tisph.scenes._cell_flow import STRESS_BY_CONTACTS as CONTACTS
+from tisph.scenes._cell_flow import STRESS_ON_WALLS as WALLS
+from tisph.schemes.implicit.planar.free_bodies import Contact
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

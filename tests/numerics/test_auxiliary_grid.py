@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from annulus_case import INNER, OUTER, make, run
-from inside import SplittingScheme
 
 from tisph import runtime
 from tisph.runtime import view
+from tisph.schemes.implicit.planar.scheme import SplittingScheme
 
 pytestmark = pytest.mark.taichi
 

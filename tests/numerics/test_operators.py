@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from inside import WeightTable
 from rates import LINEAR_EOS, RatesOf, impose
 
 from tisph import registry, runtime
 from tisph.runtime import ti
+from tisph.schemes.wcsph.operators._pairs import WeightTable
 from tisph.schemes.wcsph.operators.consistent import DIFFUSION
 
 pytestmark = pytest.mark.taichi

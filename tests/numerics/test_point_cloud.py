@@ -5,12 +5,12 @@ import functools
 
 import numpy as np
 import pytest
-from inside import Problem
 
 from tisph import runtime
 from tisph.numerics.domain import PeriodicDomain
 from tisph.numerics.point_cloud import CELLS_WITHIN, LANES, PointCloud, active
 from tisph.runtime import view
+from tisph.schemes.implicit.planar.problem import Problem
 
 pytestmark = pytest.mark.taichi
 

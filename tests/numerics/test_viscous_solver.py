@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW, run
-from inside import channel_operators as _operators
 
 from tisph.numerics import least_squares as operators
 from tisph.numerics.auxiliary_grid import DirichletGrid
 from tisph.numerics.point_cloud import active
 from tisph.runtime import real, ti, view
+from tisph.schemes.implicit.channel import operators as _operators
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi

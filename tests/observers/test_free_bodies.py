@@ -7,10 +7,6 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from inside import Contact
-from inside import Trajectories as Read
-from inside import overlays as _overlays
-from inside import steady as _steady
 
 from tisph import scenes
 from tisph.cli.run import result_text
@@ -21,9 +17,13 @@ from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_res
 from tisph.observers.samples import Description
 from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
+from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
+from tisph.results._results import Trajectories as Read
 from tisph.schemes._forecast import described, forecast
+from tisph.schemes.implicit.planar.free_bodies import Contact
+from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 

@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from inside import Description, write_snapshot
 from report_scene import make_snapshot
 
 from tisph import __version__
 from tisph.config import load
 from tisph.observers.history import History, read_history
-from tisph.observers.samples import Frames, Samples, read_frames, read_samples
+from tisph.observers.samples import Description, Frames, Samples, read_frames, read_samples, write_snapshot
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot
 

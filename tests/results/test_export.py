@@ -6,7 +6,6 @@ import re
 import h5py
 import numpy as np
 import pytest
-from inside import Description, write_snapshot
 from report_scene import make_snapshot
 from typer.testing import CliRunner
 
@@ -14,7 +13,7 @@ import tisph
 from tisph import cli, scenes
 from tisph.config import load
 from tisph.errors import ConfigError
-from tisph.observers.samples import Samples
+from tisph.observers.samples import Description, Samples, write_snapshot
 from tisph.observers.vtk import Vtk
 from tisph.results.export import FORMATS, export
 from tisph.scenes.channel import Channel

@@ -9,17 +9,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import STRESS_BY_BODIES, STRESS_BY_CONTACTS, STRESS_ON_WALLS, Cell
-from inside import cell_rule as _rule
 from report_scene import Drawn, make_video
 
 from tisph import scenes
 from tisph.config import load
-from tisph.measures.fits import cell_mean, section_mean
+from tisph.measures.fits import _rule, cell_mean, section_mean
 from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
 from tisph.report.plots import profile_figure
+from tisph.scenes._cell import Cell
+from tisph.scenes._cell_flow import STRESS_BY_BODIES, STRESS_BY_CONTACTS, STRESS_ON_WALLS
 from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from inside import PolymerParameters
 from oracles.plane import Plane
 from polymer_laws import oldroyd_b
 
@@ -12,6 +11,7 @@ from tisph import registry
 from tisph.config import load
 from tisph.exact import couette
 from tisph.geometry.motion import WallMotion
+from tisph.scenes._scene import PolymerParameters
 from tisph.scenes.channel import Channel
 
 WATER = {

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inside import wall_points
 
 from tisph import config, registry, runtime, scenes
 from tisph.numerics import least_squares as operators
+from tisph.schemes.implicit.planar import wall_points
 from tisph.simulation.state import start_values
 
 LATTICE = """

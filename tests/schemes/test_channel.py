@@ -5,12 +5,12 @@ import functools
 import numpy as np
 import pytest
 from implicit_case import IMPLICIT, run
-from inside import OBEY_MOMENTUM
 
 from tisph import registry
 from tisph.errors import ConfigError, DivergedError
 from tisph.numerics.point_cloud import active
 from tisph.runtime import view
+from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi

@@ -9,13 +9,12 @@ import functools
 import numpy as np
 import pytest
 from implicit_case import IMPLICIT, SLOW
-from inside import B_HAT, GAMMA, SAFETY
-from inside import STAGES_A as A
-from inside import STAGES_B as B
 from scipy.optimize import brentq
 
 from tisph.numerics.point_cloud import active
 from tisph.runtime import view
+from tisph.schemes._step_control import SAFETY
+from tisph.schemes.implicit.channel.step import B_HAT, GAMMA, A, B
 
 pytestmark = pytest.mark.taichi
 

@@ -5,10 +5,9 @@ import functools
 import numpy as np
 import pytest
 from implicit_case import IMPLICIT, fix_steps, run, start_of_layers
-from inside import ViscoelasticModel
-from inside import channel_conformation_excess as conformation_excess
 
 from tisph.scenes.channel import Channel
+from tisph.schemes.implicit.channel.models import ViscoelasticModel, conformation_excess
 
 pytestmark = pytest.mark.taichi
 

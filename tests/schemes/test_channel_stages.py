@@ -4,10 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import GAMMA, CoupledWall, PrescribedWall
-from inside import channel_step as step
 
 from tisph.geometry.motion import WallMotion
+from tisph.schemes.implicit.channel import step
+from tisph.schemes.implicit.channel.step import GAMMA
+from tisph.schemes.implicit.channel.walls import CoupledWall, PrescribedWall
 
 A, B, C, B_HAT = (np.array(numbers) for numbers in (step.A, step.B, step.C, step.B_HAT))
 

@@ -10,13 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_from_text import started
-from inside import SMALL, VELOCITIES, PlanarCoordinates, WallPoints, WallsOfRevolution
 
 from tisph import scenes
 from tisph.config import load
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import real, ti, view
+from tisph.schemes._local_newton import SMALL
+from tisph.schemes.implicit.planar.time_levels import VELOCITIES, PlanarCoordinates
+from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 pytestmark = pytest.mark.taichi
 

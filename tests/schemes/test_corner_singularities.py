@@ -4,14 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import FAR, STEEPEST
-from inside import two_dimensional as _two_dimensional
 from scipy.integrate import solve_ivp
 
 from tisph import runtime
 from tisph.exact.cavity import RegularCavity
 from tisph.runtime import view
 from tisph.scenes.cavity import Scene
+from tisph.schemes.implicit import planar as _two_dimensional
+from tisph.schemes.implicit.planar.corner_singularities import FAR, STEEPEST
 
 pytestmark = pytest.mark.taichi
 

@@ -7,10 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from inside import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, profile_lost
-from inside import estimate_least_squares as least_squares
 
 from tisph import scenes
+from tisph.schemes._estimate import EXPLICIT_COST, IMPLICIT_COST, IMPLICIT_OVERHEAD, least_squares, profile_lost
 from tisph.schemes._forecast import estimates
 
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"

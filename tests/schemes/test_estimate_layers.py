@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from inside import scheme_estimate as _estimate
 
 from tisph import config, runtime, schemes
 from tisph.scenes.channel import Channel
+from tisph.schemes import _estimate
 from tisph.schemes.implicit import step_control
 from tisph.simulation.state import start_values
 

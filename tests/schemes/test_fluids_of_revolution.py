@@ -5,11 +5,13 @@ from dataclasses import replace
 import case_from_text
 import numpy as np
 import pytest
-from inside import SMALL, SplittingScheme, problem_of
 
 from tisph.measures.resolution import LARGEST_ADDED_POWER, resolution
 from tisph.rheology import oldroyd_b
 from tisph.runtime import view
+from tisph.schemes._local_newton import SMALL
+from tisph.schemes.implicit.planar.problem import problem_of
+from tisph.schemes.implicit.planar.scheme import SplittingScheme
 from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inside import RESIDUAL
 
 import tisph
 from tisph.measures.fits import cell_mean
 from tisph.measures.resolution import resolution
+from tisph.schemes.implicit.planar.free_bodies import RESIDUAL
 
 pytestmark = pytest.mark.taichi
 

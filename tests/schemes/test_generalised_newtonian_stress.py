@@ -6,10 +6,11 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case
-from inside import Problem, SplittingScheme
 
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
+from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.scheme import SplittingScheme
 
 pytestmark = pytest.mark.taichi
 

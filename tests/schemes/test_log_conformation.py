@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from inside import SMALL, eliminate, log_conformation, matrix
 from scipy.linalg import expm, expm_frechet
 
 from tisph import registry
+from tisph.schemes._local_newton import SMALL, eliminate, matrix
+from tisph.schemes.implicit.planar import log_conformation
 
 conformation_excess = log_conformation.conformation_excess
 logarithm = log_conformation.logarithm

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from inside import SMALL, log_conformation_with_swirl, matrix
 from polymer_laws import KINDS, TIME, law
 from scipy.linalg import expm, expm_frechet
+
+from tisph.schemes._local_newton import SMALL, matrix
+from tisph.schemes.implicit.planar import log_conformation_with_swirl
 
 conformation_excess = log_conformation_with_swirl.conformation_excess
 logarithm = log_conformation_with_swirl.logarithm

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from case_from_text import started
-from inside import Contact
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import view
+from tisph.schemes.implicit.planar.free_bodies import Contact
 
 pytestmark = pytest.mark.taichi
 

@@ -4,10 +4,10 @@ import inspect
 from pathlib import Path
 
 import pytest
-from inside import Scheme
 
 from tisph import runtime, scenes, schemes
 from tisph.config import load
+from tisph.schemes._protocol import Scheme
 
 pytestmark = pytest.mark.taichi
 

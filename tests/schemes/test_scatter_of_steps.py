@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inside import LARGEST_MULTISTEP_FACTOR, StepControl
 
 import tisph
 from tisph import scenes, schemes
 from tisph.errors import ConfigError
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, StepControl
 
 pytestmark = pytest.mark.taichi
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import annulus_case as case
 import numpy as np
 import pytest
-from inside import SplittingScheme
 
 from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError
@@ -14,6 +13,7 @@ from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
 from tisph.schemes._forecast import estimates
+from tisph.schemes.implicit.planar.scheme import SplittingScheme
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from implicit_case import channel_of, layers, run, start_of_layers
-from inside import FlowState, MasslessWall, PrescribedWall
 from oracles.plane import Plane
 
 from tisph import registry, runtime
 from tisph.measures.channel import wall_shear
+from tisph.schemes.implicit.channel.step import FlowState
+from tisph.schemes.implicit.channel.stress_controlled import MasslessWall
+from tisph.schemes.implicit.channel.walls import PrescribedWall
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi

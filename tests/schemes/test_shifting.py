@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from inside import SHIFT, shift_speed, stiffness
 from rates import RatesOf
 
 from tisph import registry
 from tisph.runtime import view
+from tisph.schemes.wcsph._time_step import SHIFT, shift_speed, stiffness
 
 pytestmark = pytest.mark.taichi
 

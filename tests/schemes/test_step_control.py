@@ -6,7 +6,8 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from inside import (
+
+from tisph.schemes._step_control import (
     LARGEST_FACTOR,
     LARGEST_MULTISTEP_FACTOR,
     MOST_ATTEMPTS,

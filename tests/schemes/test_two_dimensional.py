@@ -6,8 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import SCATTER, VELOCITIES, SingularPaths, step_limits
-from inside import two_dimensional_scheme as splitting_scheme
 from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
 from tisph import runtime
@@ -15,7 +13,12 @@ from tisph.errors import DivergedError
 from tisph.exact.sliding_corner import DEGREE
 from tisph.numerics import least_squares as operators
 from tisph.numerics.point_cloud import active
+from tisph.numerics.shifting import SCATTER
 from tisph.runtime import ti, view
+from tisph.schemes.implicit.planar import scheme as splitting_scheme
+from tisph.schemes.implicit.planar import step_limits
+from tisph.schemes.implicit.planar.corner_singularities import SingularPaths
+from tisph.schemes.implicit.planar.time_levels import VELOCITIES
 
 pytestmark = pytest.mark.taichi
 

@@ -6,19 +6,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from inside import (
-    BETWEEN_WALLS,
-    COST,
-    FIRST,
-    LARGEST_MULTISTEP_FACTOR,
-    OVERHEAD,
-    STARTING,
-    TimeWeights,
-    WallPoints,
-    WallsOfRevolution,
-    scatter,
-)
-from inside import guessed_steps as _guessed_steps
 
 from tisph import scenes
 from tisph.config import load
@@ -26,6 +13,12 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.polygon import Polygon
 from tisph.schemes._forecast import estimates
+from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
+from tisph.schemes.implicit.planar import BETWEEN_WALLS, COST, OVERHEAD, STARTING, _guessed_steps
+from tisph.schemes.implicit.planar.step_limits import FIRST
+from tisph.schemes.implicit.planar.time_levels import TimeWeights
+from tisph.schemes.implicit.planar.wall_boundary import scatter
+from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
 NOW = 1.7

@@ -8,7 +8,6 @@ import annulus_case as case
 import numpy as np
 import pytest
 import vortex_case as vortices
-from inside import Problem, SplittingScheme, WallPoints, viscoelastic_stress
 from numpy.polynomial import Polynomial
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm, logm
@@ -24,6 +23,10 @@ from tisph.numerics.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
 from tisph.scenes.annulus import cartesian
+from tisph.schemes.implicit.planar import viscoelastic_stress
+from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from inside import RADIUS, layers_in
 from same_bits import check_resuming, check_threads, state
 
 from tisph import config, registry, runtime, scenes
@@ -11,6 +10,8 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.measures.metrics import field_error, relative_error, sample_metrics
 from tisph.runtime import view
+from tisph.schemes.wcsph.walls._dummies import layers_in
+from tisph.schemes.wcsph.walls.virtual_image import RADIUS
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from inside import Loads
 
 from tisph import config, scenes
+from tisph.schemes.wcsph._bodies import Loads
 from tisph.simulation.state import start_values
 from tisph.snapshot import Snapshot
 

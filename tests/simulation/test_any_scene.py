@@ -9,12 +9,12 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 import pytest
-from inside import SampleEstimate
 
 from tisph import config, registry, simulation
 from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
+from tisph.schemes._protocol import SampleEstimate
 from tisph.snapshot import Snapshot
 
 pytestmark = pytest.mark.taichi

@@ -16,13 +16,12 @@ import h5py
 import numpy as np
 import pytest
 from faults_case import CASE, END, require_readable
-from inside import Storage
 
 from tisph import config, simulation
 from tisph.errors import TisphError
 from tisph.folder import Folder
 from tisph.observers.history import read_history
-from tisph.observers.samples import Samples, read_frames, read_samples
+from tisph.observers.samples import Samples, Storage, read_frames, read_samples
 from tisph.report.drawing_process import DrawingProcess
 from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot

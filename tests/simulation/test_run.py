@@ -13,12 +13,12 @@ import h5py
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from inside import write_snapshot
 from PIL import Image
 from typer.testing import CliRunner
 
 from tisph import cli, config, runtime, scenes, simulation
 from tisph.config import yaml_text
+from tisph.observers.samples import write_snapshot
 from tisph.simulation import checkpoint
 from tisph.snapshot import Snapshot
 

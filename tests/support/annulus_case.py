@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from inside import COURANT, Problem, SplittingScheme, WallPoints
 
 from tisph import runtime
 from tisph.geometry.body import Body
@@ -11,6 +10,9 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
+from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.scheme import COURANT, SplittingScheme
+from tisph.schemes.implicit.planar.wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
 VISCOSITY = 0.02

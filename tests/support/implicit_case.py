@@ -1,10 +1,10 @@
 """Scheme implicit, for its tests: overrides of the small Couette case, and how to run it."""
 
 import numpy as np
-from inside import ImplicitLayers
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
+from tisph.schemes._estimate import ImplicitLayers
 from tisph.schemes.implicit import step_control
 
 IMPLICIT = ("scheme={type: implicit}", "time.tolerance=1.0e-5")

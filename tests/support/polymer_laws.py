@@ -1,10 +1,10 @@
 """One liquid of each law of polymers, and states of its particles, for the tests of laws."""
 
 import numpy as np
-from inside import PolymerParameters
 from scipy.special import lambertw
 
 from tisph import registry
+from tisph.scenes._scene import PolymerParameters
 
 VISCOSITY, TIME = 0.7, 1.5
 KINDS = {

@@ -3,11 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
-from inside import Ranges as _Ranges
 
 from tisph.config.schema import Video
 from tisph.geometry.motion import WallMotion
-from tisph.report.movie import Movie
+from tisph.report.movie import Movie, _Ranges
 from tisph.report.quantities import quantity
 from tisph.scenes.annulus import Annulus
 from tisph.scenes.channel import Channel

@@ -1,12 +1,13 @@
 """The Taylor-Green vortex in a periodic box, for tests of the scheme that has a pressure."""
 
 import numpy as np
-from inside import COURANT, TOLERANCE, Problem, SplittingScheme
-from inside import two_dimensional_step_control as step_control
 from kept_program import kept
 
 from tisph import runtime
 from tisph.numerics import least_squares as operators
+from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.scheme import COURANT, SplittingScheme
+from tisph.schemes.implicit.planar.step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
 VISCOSITY = 0.01

@@ -6,11 +6,11 @@ planes, the axisymmetric one between two cylinders of radii 1000 and 1001, where
 
 import numpy as np
 import pytest
-from inside import OBEY_MOMENTUM
 
 import tisph
 from tisph import registry
 from tisph.exact import couette
+from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
 
 pytestmark = [pytest.mark.taichi, pytest.mark.verification]
 

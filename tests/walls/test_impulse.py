@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from inside import ImpulsiveStart
 
 from tisph.measures.channel import wall_shear
 from tisph.runtime import view
+from tisph.schemes.wcsph._boundaries import ImpulsiveStart
 
 pytestmark = pytest.mark.taichi
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from inside import SMALLEST_DETERMINANT
 from rates import LINEAR_EOS, impose, slots_in_use
 
 from tisph import registry
+from tisph.schemes.wcsph.walls.virtual_image import SMALLEST_DETERMINANT
 
 pytestmark = pytest.mark.taichi
 

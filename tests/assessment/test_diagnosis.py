@@ -13,7 +13,7 @@ from tisph.exact import couette
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
-FACTORS = (0.25, 0.95, 3.0)
+FACTORS = (0.95, 3.0)
 
 TIMES = (0.02, 0.15, 2.0)
 """t* from a layer of three spacings to developed flow."""

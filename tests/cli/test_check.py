@@ -64,12 +64,6 @@ def starting(lines, *wanted):
     return [line for line in lines if line.startswith(wanted)]
 
 
-def test_couette_flow_has_no_lines_of_other_flows(checked):
-    lines = checked()
-    assert "wall speed U 0.5 cm/s" in lines
-    assert not starting(lines, "drive", "penetration", "Weissenberg", "elasticity", "warning")
-
-
 # U dx / nu by hand: 0.5 * 0.02 / nu, of the solvent's viscosity where there is polymer
 @pytest.mark.parametrize(
     ("override", "number"),
@@ -99,13 +93,6 @@ def test_order_2_is_warned_of_in_disorder(checked, order, jitter, warned):
     lines = checked(scheme, f"initial.jitter={jitter}", "fluid.kinematic_viscosity=0.005")
     assert len([line for line in lines if "take order 4" in line]) == len(starting(lines, "warning")) == warned
     assert not starting(checked(scheme, f"initial.jitter={jitter}", slow), "warning")
-
-
-def test_as_many_particles_as_the_warning_asks_for_silence_it(checked):
-    high = "fluid.kinematic_viscosity=1.6e-4"  # 50 across: 0.5 / 50 / 1.6e-4 = 62.5, and 0.5 / 53 / 1.6e-4 = 58.96
-    (warning,) = [line for line in checked(high) if "cell Reynolds number" in line]
-    assert warning.endswith("give 53 particles across or more")
-    assert not [line for line in checked(high, "discretisation.particles_across=53") if "cell Reynolds" in line]
 
 
 @pytest.mark.parametrize(("end", "warned"), [(0.4, False), (0.004, True)])  # the layer's depth: 3.2 and 0.3 spacings
@@ -163,14 +150,6 @@ def test_every_config_names_the_length_of_its_reynolds_number():
         assert named or f", {letter} the " in lines["Reynolds number"], path
 
 
-def test_a_speed_that_is_estimated_is_called_so():
-    """A falling ball reaches less than in free fluid; the fluid in segre_silberberg less than without the cylinder."""
-    for name in ("falling_ball", "segre_silberberg", "confined_cylinder_oldroyd_b"):
-        lines = dict(scenes.of(load(CONFIGS / f"{name}.yaml")).parameters())
-        assert lines["Reynolds number"].startswith("about ")
-        assert lines["speed U"].startswith("about ")
-
-
 def test_only_what_no_run_can_change_is_called_resolved(case):
     """The run judges divergence, and free bodies move: samples of suspension.yaml are not resolved for their gaps."""
     assert estimates(load(case, ["time.samples=[1e-4, 2.0]"]))["resolved"] == [False, True]
@@ -195,16 +174,6 @@ def test_a_number_is_given_with_its_reach():
         "about 1250 (1230 to 1260)",
     ]
     assert [_forecast._about(*each) for each in numbers] == texts
-
-
-def test_seconds_become_minutes_hours_and_days():
-    times = [_forecast._total_time({"total_time": s, "total_time_range": (s / 2, 2 * s)}) for s in (100, 700, 9e3, 9e5)]
-    assert times == [
-        "about 100 seconds (50 to 200)",
-        "about 12 minutes (5.8 to 23)",
-        "about 2.5 hours (1.2 to 5)",
-        "about 10 days (5.2 to 21)",
-    ]
 
 
 def test_the_getting_started_page_shows_what_the_command_prints():
@@ -248,12 +217,6 @@ def test_polymer_that_relaxes_before_the_layer_is_one_spacing_thick(checked, fra
     assert not starting(lines, "warning: fluid.rheology.solvent_fraction")
 
 
-def test_without_a_jump_polymer_has_no_layer(checked):
-    liquid = POLYMER % (1.0, "solvent_fraction: 0.009")
-    lines = checked(liquid, "scheme={type: implicit}", AT_REST, DRIVE, "time.end=0.1")
-    assert not starting(lines, "warning: the polymer stress grows")
-
-
 @pytest.mark.parametrize(("name", "known"), [("taylor_green", True), ("cavity_regular", False)])
 def test_predicted_steps_of_an_unknown_flow_are_called_a_guess(name, known):
     output = CliRunner().invoke(cli.app, ["check", str(CONFIGS / f"{name}.yaml")]).output
@@ -261,11 +224,6 @@ def test_predicted_steps_of_an_unknown_flow_are_called_a_guess(name, known):
     (steps,) = starting(lines, "steps")
     assert steps.endswith("; how the particles will flow is not known beforehand") == (not known)
     assert all(" to " in line for line in (steps, *starting(lines, "at t =")))
-
-
-def test_polymer_stress_is_counted_in_the_memory(case):
-    plain, polymer = (estimates(load(case, text)) for text in ([], [POLYMER % (2.0, "solvent_fraction: 0.1")]))
-    assert polymer["memory"] - plain["memory"] == pytest.approx(10_000 * 96)  # fields of the next size
 
 
 # Sound speed by hand, gap 1: ten times the largest of peak speed, sqrt(nu * peak speed) and sqrt(nu_p / relaxation
@@ -288,12 +246,6 @@ def test_sound_speed_and_time_step(case, overrides, sound, limit, step):
     assert numbers["sound_speed"] == pytest.approx(sound, rel=1e-14)  # a few roundings
     assert numbers["binding_limit"] == limit
     assert numbers["time_step"] == pytest.approx(step, rel=1e-14)
-
-
-def test_the_mach_number_is_that_of_the_peak_speed(case, checked):
-    stiff = "scheme={type: wcsph, equation_of_state: {sound_speed: 2.4}}"
-    assert estimates(load(case, [AT_REST, DRIVE, stiff]))["mach"] == pytest.approx(0.25 / 2.4, rel=1e-14)
-    assert starting(checked(AT_REST, DRIVE, stiff), "warning: the Mach number is above 0.1")
 
 
 def test_a_given_sound_speed_knows_no_elastic_waves():
@@ -489,10 +441,6 @@ def test_verdicts(one, found, verdict):
 def test_a_sample_that_is_not_resolved_must_not_be_called_so(said, verdict):
     (comparison,) = study.compare(numbers_of(forecast_of(), resolved=said), [sample(resolved=False)])
     assert comparison.verdict == verdict
-
-
-def test_a_start_is_not_compared():
-    assert study.compare(numbers_of(forecast_of(steps=0)), [sample(step=0)]) == []
 
 
 def test_a_run_without_a_reference_has_no_error_to_compare():

@@ -13,11 +13,9 @@ from typer.testing import CliRunner
 
 import tisph
 from tisph import cli, runtime
-from tisph.config import load
 from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
 from tisph.schemes._estimate import step_counts
-from tisph.schemes._forecast import estimates
 
 ROOT = Path(tisph.__file__).parents[1]
 
@@ -119,13 +117,6 @@ def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
     assert reason == ["sample 0 is not resolved: the layer is too thin"]
     assert cost == ["10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for output, 0.5 s getting ready"]
     assert shown.splitlines()[6].startswith("results in ")
-
-
-def test_where_the_flow_decays_the_error_is_over_its_reference_speed(case, simulation):
-    oscillating = ["--set", "walls.top={amplitude: 0.5, angular_frequency: 1}"]
-    shown = tisph_command("run", "case.yaml", *oscillating).stdout.splitlines()
-    assert "rms error / U" in shown[0]
-    assert "4.00e-04" in shown[2]
 
 
 def test_a_quiet_run_prints_errors_only(case, simulation):
@@ -284,49 +275,6 @@ def test_exit_status_of_a_run(case, simulation, error, status, message):
     assert result.exit_code == status
     assert message in result.stderr
     assert "Traceback" not in result.output
-
-
-def test_check_prints_what_the_run_would_be(case):
-    result = tisph_command("check", "case.yaml")
-    assert result.exit_code == 0
-    for text in (
-        "Reynolds number        50",
-        "Mach number            0.1",
-        "acoustic",
-        "about 2970 (2970 to 3000) from",
-        "5000",
-    ):
-        assert text in result.stdout
-    assert "warning" not in result.stdout
-    assert sorted(path.name for path in case.iterdir()) == ["bad.yaml", "case.yaml"]
-
-
-def test_check_warns_of_a_low_sound_speed(case):
-    result = tisph_command("check", "case.yaml", "--set", "scheme={type: wcsph, equation_of_state: {sound_speed: 2.0}}")
-    assert "warning: the Mach number is above 0.1" in result.stdout
-
-
-# kinematic viscosity, stiffness -> sound speed and binding limit, by hand for U = 0.5, gap 1, h = 0.02:
-# acoustic step 0.25 h / (c + U), viscous step 0.125 h^2 / nu; 10 sqrt(nu U / gap) = 20 for nu = 8
-@pytest.mark.parametrize(
-    ("viscosity", "stiffness", "sound", "limit", "step"),
-    [
-        (0.01, "{}", 5.0, "acoustic", 0.005 / 5.5),
-        (0.1, "{}", 5.0, "viscous", 5e-5 / 0.1),
-        (8.0, "{}", 20.0, "viscous", 5e-5 / 8.0),
-        (0.01, "{sound_speed: 9.5}", 9.5, "acoustic", 5e-4),
-        (0.01, "{bulk_modulus: 400.0}", 20.0, "acoustic", 0.005 / 20.5),
-    ],
-)
-def test_estimates(case, viscosity, stiffness, sound, limit, step):
-    overrides = [
-        f"fluid.kinematic_viscosity={viscosity}",
-        f"scheme={{type: wcsph, equation_of_state: {stiffness}}}",
-    ]
-    numbers = estimates(load("case.yaml", overrides))
-    assert numbers["sound_speed"] == pytest.approx(sound, rel=1e-14)  # a few roundings
-    assert numbers["binding_limit"] == limit
-    assert numbers["time_step"] == pytest.approx(step, rel=1e-14)
 
 
 def test_steps_end_on_every_target():

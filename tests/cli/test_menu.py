@@ -31,19 +31,6 @@ def test_the_menu_has_every_config_with_a_line_of_its_own():
     assert list(Path().iterdir()) == []
 
 
-def test_the_menu_is_sorted_into_groups():
-    groups, name = {}, ""
-    for line in new("--list").stdout.splitlines():
-        if line.startswith("  "):
-            groups[line.split()[0]] = name
-        else:
-            name = line
-    assert groups["couette"] == groups["couette_jitter"] == "channel"
-    assert groups["oldroyd_b_cylinder_in_stream"] == "channel, open ends, bodies, non-Newtonian"
-    assert groups["cylinder_lattice"] == "lattice, bodies"
-    assert new("--list").stdout.splitlines().count("channel, bodies") == 1
-
-
 def test_a_copied_config_is_valid_and_says_how_to_run_it():
     done = new("couette")
     assert (done.exit_code, done.stdout) == (0, "couette.yaml\n")

@@ -113,9 +113,3 @@ for name in sys.argv[1:]:
     command = [sys.executable, "-c", program, *names]
     done = subprocess.run(command, cwd=extended, env=environment(extended), capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-
-
-def test_files_that_the_page_names_are_there():
-    named = set(re.findall(r"`(?:tisph/)?([a-z_]+/[a-z_/]+\.py)(?:: \w+)?`", PAGE))
-    missing = [name for name in named if not (ROOT / "tisph" / name).exists() and not (ROOT / name).exists()]
-    assert set(missing) <= {name.removeprefix("tisph/") for name in examples()}

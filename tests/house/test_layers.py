@@ -78,17 +78,21 @@ def nodes(path, types=True):
         waiting += [each for each in ast.iter_child_nodes(node) if types or not is_for_types_only(each)]
 
 
+@functools.cache
 def imported_modules(path, types=True):
     """Dotted names of all modules that a file imports, also inside functions."""
+    found = []
     for node in nodes(path, types):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: relative import"
             # `from tisph import config` names its module in the list
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            found += [f"{node.module}.{alias.name}" for alias in node.names]
+    return found
 
 
+@functools.cache
 def file_graph():
     """Modules of the package that each of its modules imports when it runs, lazily or not."""
 

@@ -3,14 +3,13 @@
 import pydoc
 import subprocess
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import tisph
-from tisph.config.loader import config_file, override_texts
+from tisph.config.loader import override_texts
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.interface import _error, _listen
 from tisph.results._results import typed
@@ -32,11 +31,6 @@ def test_help_is_a_few_screens_and_has_every_public_name():
     assert set(tisph.__all__) <= set(dir(tisph))
     for name in ("run(", "check(", "open = ", "class Results", "profile_figure", "history", "summary", "exact"):
         assert name in text
-
-
-def test_there_is_no_other_name():
-    with pytest.raises(AttributeError, match="no attribute 'walk'"):
-        tisph.walk  # noqa: B018
 
 
 def test_overrides_are_yaml_of_plain_values():
@@ -73,12 +67,6 @@ def test_an_error_in_a_dict_names_no_file(case):
     assert str(raised.value) == "config: time.end = -1.0: must be greater than 0 (at least 1e-30)"
     with pytest.raises(ConfigError, match=r"^--set time.ende=1: time.ende = 1: unknown key; nearest: end"):
         tisph.check(case(), **{"time.ende": 1})
-
-
-def test_no_file_is_left_of_a_dict():
-    with config_file({"scene": "channel"}) as path:
-        assert Path(path).is_file()
-    assert not Path(path).exists()
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import copy
 import json
 import os
-import signal
 import subprocess
 import sys
 from base64 import b64decode
@@ -17,7 +16,7 @@ from typer.testing import CliRunner
 import tisph
 from tisph import cli, simulation
 from tisph.errors import ConfigError, DivergedError
-from tisph.folder import LOCK, held
+from tisph.folder import held
 from tisph.results.export import export
 
 pytestmark = pytest.mark.taichi
@@ -67,16 +66,6 @@ halve()
 assert made_later.to_numpy().tolist() == [4.0, 4.0, 4.0] and made_later.to_numpy().dtype == "f4"
 """
 
-ENDLESS = """
-import json, signal, sys
-import tisph
-signal.signal(signal.SIGINT, signal.default_int_handler)  # tests may run where it is ignored
-try:
-    tisph.run(json.loads(sys.argv[1]), "cut", video=False, progress=True, **{"time.end": 1000.0})
-except KeyboardInterrupt:
-    sys.exit(77)
-"""
-
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
@@ -109,13 +98,6 @@ def test_summary_and_samples_are_those_of_the_files(finished):
     assert last["u"].shape == (144,)
     assert last.units["u"] == "m/s"
     assert np.array_equal(last.u, last["u"])
-
-
-def test_numbers_of_a_sample_are_attributes_and_make_a_dict(finished):
-    sample = finished.summary.samples[-1]
-    assert sample.wall_shear_top == sample["wall_shear_top"]
-    assert dict(sample) == sample.measures
-    assert copy.deepcopy(sample) == sample
 
 
 @pytest.mark.parametrize(
@@ -212,35 +194,13 @@ def test_a_taichi_program_beside_it_lives_on(tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.slow  # test_faults.py interrupts runs, too
-@pytest.mark.skipif(os.name == "nt", reason="sends signals")
-def test_ctrl_c_leaves_a_checkpoint_to_go_on_from(tmp_path):
-    program = [sys.executable, "-c", ENDLESS, json.dumps(CASE)]
-    with subprocess.Popen(program, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as user:
-        user.stderr.readline()  # its first line of progress
-        user.send_signal(signal.SIGINT)
-        user.communicate()
-    assert user.returncode == 77
-    cut = tisph.open(tmp_path / "cut")
-    assert cut.summary.status == "interrupted"
-    assert (cut.folder / "checkpoint.h5").is_file()
-    with held(cut.folder):  # nobody runs there any more
-        pass
-
-
-@pytest.mark.slow  # the same way as Ctrl-C takes
-@pytest.mark.skipif(os.name == "nt", reason="sends signals")
-def test_a_run_ends_with_the_process_that_asked_for_it(tmp_path):
-    program = [sys.executable, "-c", ENDLESS, json.dumps(CASE)]
-    with subprocess.Popen(program, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as user:
-        user.stderr.readline()
-        user.kill()
-        user.communicate()
-    while (tmp_path / "cut" / LOCK).exists():  # the test's own limit of time ends it
-        pass
-    assert tisph.open(tmp_path / "cut").summary.status == "interrupted"
-
-
 def test_no_folder_of_results(tmp_path):
     with pytest.raises(ConfigError, match=r"is no folder of results, it has no config.resolved.yaml"):
         tisph.open(tmp_path)
+
+
+def test_numbers_of_a_sample_are_attributes_and_make_a_dict(finished):
+    sample = finished.summary.samples[-1]
+    assert sample.wall_shear_top == sample["wall_shear_top"]
+    assert dict(sample) == sample.measures
+    assert copy.deepcopy(sample) == sample

@@ -13,11 +13,9 @@ from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
 from tisph.observers import history as histories
-from tisph.observers.history import BODY_FIELDS, History, Trajectories, read_resolved
+from tisph.observers.history import BODY_FIELDS, Trajectories
 from tisph.observers.samples import Description
-from tisph.observers.vtk import append_bodies
 from tisph.report.layout import arrange
-from tisph.report.movie import _overlays
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
@@ -137,23 +135,6 @@ def test_a_drifting_body_may_be_in_a_steady_state(tmp_path, make):
         assert _steady(history) == {"steady_since": steady_since}
 
 
-def test_gaps_in_the_history_are_those_of_the_time(tmp_path, make, monkeypatch):
-    """A resumed run has what the file says: it does not know any more where bodies were."""
-    monkeypatch.setattr(histories, "RECORDS", 3)
-    _, scene, snapshot = make("discretisation.particles_across=30")
-    start = Bodies.at(0.0, scene.bodies)
-    near = start.centre + np.array([[0.15, 0.2], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])  # 1.5 spacings
-    path = tmp_path / "history.csv"
-    history = History(path, scene, scene.time_series(), 2.0)
-    for t, centre in ((0.0, start.centre), (1.0, near), (2.0, start.centre)):
-        history.observe(moved(scene, snapshot, t, centre=centre))
-    assert read_resolved(path).tolist() == [False, False, True]  # at first a layer is thin, then a gap
-    text = path.read_text()
-    again = History(path, scene, scene.time_series(), 2.0, resumed_at=1.0)
-    again.observe(moved(scene, snapshot, 2.0, centre=start.centre))
-    assert path.read_text() == text
-
-
 # --- trajectories
 
 
@@ -250,27 +231,7 @@ def test_bodies_leave_wider_tracks_that_end_at_periodic_sides(make):
     assert widths[0] > widths[1] > 0
 
 
-@pytest.mark.parametrize(("overlay", "expected"), [("tracks", True), ("none", False)])
-def test_tracks_of_bodies_lie_over_these(make, overlay, expected):
-    _, scene, _ = make()
-    assert (_overlays(scene, overlay)[-1] is BodyTracks) == expected
-
-
 # --- other outputs
-
-
-def test_exported_bodies_move_and_have_velocities(tmp_path, make):
-    config, scene, snapshot = make()
-    velocity = np.arange(10.0).reshape(5, 2)
-    with h5py.File(tmp_path / "bodies.vtkhdf", "w") as file:
-        for t in (0.0, 1.0):
-            centre = moved(scene, snapshot, t).bodies.centre + np.array([0.1 * t, 0.0])
-            append_bodies(file, moved(scene, snapshot, t, velocity=velocity, centre=centre), Description(config, scene))
-        root = file["VTKHDF"]
-        first, second = np.split(root["Points"][...], 2)
-        assert np.allclose(second - first, [0.1, 0.0, 0.0], atol=1e-15)
-        assert np.array_equal(root["CellData/velocity"][:3, :2], velocity[:3])
-        assert root["CellData/contact_force"][3:].tolist() == [[1.0, 1.0, 0.0]] * 3
 
 
 def test_check_says_what_is_free_and_what_its_speed_is(make):
@@ -294,13 +255,6 @@ def test_a_run_with_contacts_says_so_at_its_end(make, count, words):
     text = result_text(config, scene, summary)
     assert ("touched" in text) == bool(words)
     assert words is None or words in text
-
-
-def test_only_where_the_flow_carries_bodies_is_contact_known(make):
-    _, scene, snapshot = make()
-    assert np.isnan(snapshot.bodies.contact_force).all()
-    assert snapshot.bodies.contact_force.shape == (5, 2)
-    assert Bodies.at(0.0, [body for body in scene.bodies if not body.free]).contact_force is None
 
 
 def test_pairs_that_are_left_out_of_contact_do_not_touch(make):

@@ -10,14 +10,13 @@ import pytest
 import tisph
 from tisph import scenes
 from tisph.config import load
-from tisph.observers.samples import Description, Frames, Samples, read_frames, read_samples
+from tisph.observers.samples import Description, Samples, read_samples
 from tisph.observers.vtk import has_outlines
 from tisph.report.field import Dye
 from tisph.report.layout import arrange
 from tisph.report.movie import Movie
-from tisph.report.overlays import Solids, Streamlines, Tracks
+from tisph.report.overlays import Streamlines, Tracks
 from tisph.report.plots import history_figure
-from tisph.report.text import DriveLabel
 from tisph.results.export import export
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
@@ -101,12 +100,6 @@ def test_without_bodies_there_is_no_file_of_bodies(make):
 # --- numbers
 
 
-def test_nothing_has_flowed_before_the_first_step(make):
-    _, scene, start = make()
-    found = dict(zip(scene.time_series().columns, scene.time_series().measure(start), strict=True))
-    assert all(np.isnan(found[name]) for name in ("inflow", "outflow", "pressure_drop", "drag_top"))
-
-
 @pytest.mark.parametrize(("bodies", "names"), [((), ["inflow", "outflow"]), ((CIRCLE,), ["drag", "lift"])])
 def test_a_movie_shows_forces_or_flow_rates_and_needs_no_pressure(make, bodies, names):
     _, scene, start = make(*bodies)
@@ -136,27 +129,6 @@ def test_every_colour_has_its_frame(make, color):
     movie = Movie("", scene, config.output.video, "test", 1.0)
     frames = [movie.frame(snapshot) for snapshot in (start, later(scene, start, 0.5))]
     assert np.any(frames[0] != frames[1])
-
-
-def test_ends_are_no_walls(make):
-    _, scene, start = make()
-    layout = arrange(scene, 640, 320)
-    panel = panel_of(layout)
-    Solids(scene, layout).paint(panel, start)
-    assert (panel[5:-5] == 255).all()
-    assert (panel[0] < 255).any()
-
-
-def test_the_label_has_the_velocity_and_the_way_of_the_inlet(make):
-    for overrides, words, way in (
-        ((), "inlet 1 m/s", 1),
-        ((MIRRORED,), "inlet −1 m/s", -1),
-        (("ends.left={type: inlet, velocity: 1.0, amplitude: 0.5, angular_frequency: 2.0}",), "inlet up to 1.5 m/s", 1),
-    ):
-        _, scene, _ = make(*overrides)
-        layout = arrange(scene, 1280, 640)
-        assert DriveLabel(scene, layout)._words == words
-        assert np.sign(scene.drive_shown[2][0]) == way
 
 
 def test_a_long_channel_is_shown_to_its_outlet(make):
@@ -203,19 +175,6 @@ def test_dye_enters_in_bands_and_stays_with_its_particles(make, pattern, bands):
     new = colours[start.x > 1.0][np.argsort(start.y[start.x > 1.0])]
     assert np.count_nonzero(np.diff(new)) == bands - 1
     assert np.array_equal(dye.of(replace(entered, y=1.0 - entered.y)), colours)
-
-
-def test_dye_has_the_same_colours_from_stored_frames(make, tmp_path):
-    _, scene, start = make()
-    seen: list = []
-    live, again = Dye(scene, "checkerboard"), Dye(scene, "checkerboard")
-    frames = Frames(
-        tmp_path / "frames.h5", SimpleNamespace(add=lambda s: seen.append(live.of(s)), close=lambda: None), []
-    )
-    for snapshot in (start, later(scene, start, 0.5, x=start.x[::-1]), later(scene, start, 1.0)):
-        frames.observe(snapshot)
-    frames.close()
-    assert np.array_equal([again.of(snapshot) for snapshot in read_frames(tmp_path / "frames.h5")], seen)
 
 
 def test_a_constant_number_is_not_on_the_edge_of_its_plot(make):

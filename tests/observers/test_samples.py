@@ -15,17 +15,6 @@ from tisph.scenes.channel import Channel
 from tisph.snapshot import Bodies, Snapshot
 
 
-def test_samples_are_read_in_the_order_of_time(tmp_path):
-    """By name the thousandth would come before the second: sample_1000 < sample_101."""
-    times = (100, 101, 999, 1000, 1001)
-    with h5py.File(tmp_path / "samples.h5", "w") as file:
-        for t in times:
-            write_snapshot(file.create_group(f"sample_{t:03d}"), Snapshot(float(t), t, *np.full((6, 3), t)))
-    found = read_samples(tmp_path / "samples.h5")
-    assert [snapshot.t for snapshot in found] == list(times)
-    assert all(np.array_equal(snapshot.u, np.full(3, snapshot.t)) for snapshot in found)
-
-
 def tiny_snapshot(t):
     """Three particles and two bodies, with numbers that single precision cannot hold."""
     bodies = {name: t + np.full((2, 2), 0.1) for name in ("centre", "velocity", "force", "pressure_force")}
@@ -105,19 +94,6 @@ def test_samples_have_attributes_and_units(tmp_path, run):
     assert load(tmp_path / "again.yaml") == about.config
     assert (units["y"], units["u"], units["u_exact"], units["density"]) == ("cm", "cm/s", "cm/s", "g/cm^3")
     assert units["stress_xy"] == units["stress_xy_exact"] == units["pressure"] == "g/(cm s^2)"
-
-
-def test_samples_have_the_exact_solution_beside_the_computed_one(tmp_path, run):
-    channel, _ = run(POLYMER)
-    written_samples(tmp_path / "samples.h5", channel)
-    with h5py.File(tmp_path / "samples.h5") as file:
-        sample = {name: data[...] for name, data in file["sample_001"].items()}
-    assert np.array_equal(sample["u_exact"], channel.exact_velocity(sample["y"], 2.0))
-    assert np.allclose(sample["u"] - sample["u_exact"], 1e-3 * channel.reference_velocity, rtol=1e-9)
-    xx, xy, _ = channel.exact_polymer_stress(sample["y"], 2.0)
-    assert np.array_equal(sample["stress_xx_exact"], xx)
-    assert np.array_equal(sample["stress_xy_exact"], xy)
-    assert not sample["stress_yy_exact"].any()
 
 
 def test_an_interrupted_run_resumes_with_samples_of_older_versions(tmp_path, run):

@@ -48,23 +48,6 @@ def test_a_picture_is_the_one_that_is_drawn_here(drawing, channel):
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(image))), here)
 
 
-def test_a_movie_has_every_frame_once_it_is_closed(drawing, channel, tmp_path, monkeypatch):
-    """Also where this process has gone to another folder since that one was started."""
-    monkeypatch.chdir(tmp_path)
-    movie = RemoteMovie(drawing, "movie.mp4", channel, VIDEO, "test", END)
-    for t in TIMES:
-        movie.add(make_snapshot(channel, t))
-    movie.close()
-    assert frame_count(tmp_path / "movie.mp4") == len(TIMES)
-
-
-def test_answers_can_be_taken_in_any_order(drawing, channel):
-    first = drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)})
-    second = drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 5.0)],)})
-    late, early = second.result(), first.result()
-    assert late != early == drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
-
-
 def test_a_failed_movie_is_reported_once_when_it_is_closed(drawing, channel, tmp_path):
     movie = RemoteMovie(drawing, tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END)
     for _ in range(20):

@@ -84,14 +84,6 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
     ]
 
 
-def test_samples_that_coincide_can_be_told_apart(tmp_path, figures):
-    channel = make_channel(initial_state="developed")
-    profile_figure(channel, [make_snapshot(channel, t) for t in (1.0, 2.0, 3.0)]).save(tmp_path / "profiles.png")
-    lines = figures[0].axes[0].lines[1:9:3]
-    assert np.all(np.diff([line.get_linewidth() for line in lines]) < -1.0)  # later ones leave a rim of the earlier
-    assert len({tuple(line.get_color()) for line in lines}) == 3
-
-
 def test_profiles_meet_the_walls_of_bodies_and_have_gaps_in_them(tmp_path):
     """A velocity that is quadratic in x and y and 0 on the wall of the cylinder, as fits of degree 6 represent it."""
     scene = lattice(tmp_path)
@@ -105,13 +97,6 @@ def test_profiles_meet_the_walls_of_bodies_and_have_gaps_in_them(tmp_path):
     found = profile.interpolated(scene, snapshot, height)
     assert found[:3] == pytest.approx((height[:3] - 0.5) ** 2 - 0.25**2, abs=1e-12)
     assert np.isnan(found[3:]).all()
-
-
-def test_profiles_of_a_perfect_run_and_of_the_start_can_be_drawn(tmp_path):
-    channel = make_channel(initial_state="developed")
-    profile_figure(channel, [make_snapshot(channel, 1.8)]).save(tmp_path / "perfect.png")
-    channel = make_channel()
-    profile_figure(channel, [make_snapshot(channel, 0.0)]).save(tmp_path / "start.png")
 
 
 def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
@@ -131,22 +116,6 @@ def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     (shaded,) = figures[0].axes[0].patches
     # the layer is two spacings of 1e-3 deep at t = 4; the last of the times before that is 5 * 20 / 29
     assert (shaded.get_x(), shaded.get_x() + shaded.get_width()) == (0.0, pytest.approx(times[5]))
-
-
-@pytest.mark.parametrize("frequency", [1.0, 15.0])
-def test_history_of_an_oscillation_resolves_every_period(tmp_path, figures, frequency):
-    channel = make_channel(top=WallMotion(0.0, 0.005, frequency), initial_state="developed")
-    history_figure(channel, *history(channel, 3, np.linspace(0.0, 20.0, 401))).save(tmp_path / "history.png")
-    markers, curve = figures[0].axes[0].lines[:2]
-    period = 2 * np.pi / frequency
-    # A straight line between points P/40 apart misses the crest by (2 pi/40)^2/8 = 0.3 %: less than the line's width.
-    assert np.diff(curve.get_xdata()).max() <= 1.05 * period / 40
-    assert np.diff(markers.get_xdata()).max() <= 1.5 * max(period / 12, 20.0 / 400)  # the history has 401 records
-
-
-def test_history_of_a_run_that_stopped_at_once_can_be_drawn(tmp_path):
-    channel = make_channel()
-    history_figure(channel, *history(channel, 2, np.array([0.0]))).save(tmp_path / "history.png")
 
 
 def test_legends_stay_short(tmp_path, figures):
@@ -182,12 +151,6 @@ def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, fig
     history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
 
 
-def test_errors_of_oscillating_or_stopped_annuli_are_over_the_wall_speed():
-    swinging, stopped = WallMotion(0.0, 1.0, 2.0), WallMotion(0.0, before=1.0)
-    assert not make_annulus().vanishing_scale
-    assert all(make_annulus(inner=wall).vanishing_scale for wall in (swinging, stopped))
-
-
 LATTICE = """
 scene: lattice
 fluid: {density: 2.0, kinematic_viscosity: 0.5}
@@ -211,28 +174,6 @@ time: {end: 1.0}
 def lattice(folder, *changes):
     (folder / "case.yaml").write_text(LATTICE)
     return scenes.of(load(folder / "case.yaml", changes))
-
-
-def test_like_bodies_are_told_apart_on_axes_with_units(tmp_path):
-    two = "bodies=[{centre: [0.2, 0.5], radius: 0.1}, {centre: [0.7, 0.5], radius: 0.1}]"
-    scene = lattice(tmp_path, two)
-    times = np.linspace(0.0, 1.0, 401)
-    drag, noise = 3.0 - 2.0 * np.exp(-5.0 * times), np.full(401, 1e-9)
-    values = np.stack([*2 * [drag, noise, noise], 0.1 * times], axis=1)  # drag, lift, torque of each; mean velocity
-    figure = history_figure(scene, {}, times, values)
-    drags, lifts, *_ = figure.axes
-    assert [axes.get_ylabel() for axes in figure.axes] == [
-        "drag per length [N/m]",
-        "lift per length [N/m]",
-        "torque per length [N]",
-        "superficial velocity [m/s]",
-    ]
-    first, second = drags.lines
-    assert np.array_equal(first.get_ydata(), second.get_ydata())
-    assert not {*range(401)[slice(*_marked(first))]} & {*range(401)[slice(*_marked(second))]}
-    assert drags.get_ylim()[0] < 0.0 < 3.0 < drags.get_ylim()[1]
-    assert min(np.abs(lifts.get_ylim())) >= 1e-3 * scene.force_scale  # noise stays flat
-    assert [text.get_text() for text in figure.legends[0].get_texts()[:3]] == ["body 0", "body 1", "mean over the cell"]
 
 
 def test_a_body_alone_has_the_drag_that_drives_the_fluid(tmp_path):

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tisph.report.raster import LEVELS, PLACES, SHARES, STRIPS, VALUE_BITS, Discs, Shades, blend, dense_line, filled
+from tisph.report.raster import LEVELS, PLACES, SHARES, STRIPS, VALUE_BITS, Discs, dense_line, filled
 
 SHAPE = (40, 60)
 
@@ -14,7 +14,6 @@ def points(column, row):
 
 PLACE = 0.5 / PLACES  # pixels: a disc stands at most this far from where it should, along each direction
 LEVEL = 0.5 / LEVELS  # of coverage, to the nearest
-SHARE = 0.5 / SHARES  # of value, likewise
 
 
 def paint(place, value, radius, shape=SHAPE, *, periodic=(False, False)):
@@ -46,42 +45,11 @@ def test_disc_has_the_right_centroid_and_area(column, row, radius):
     assert total == pytest.approx(np.pi * (radius**2 + 1 / 12), rel=0.05)
 
 
-def test_disc_is_symmetric_about_its_centre():
-    coverage, _ = disc(30.0 + PLACE, 20.0 + PLACE)  # a place at which discs are drawn
-    mirrored, _ = disc(30.0 - PLACE, 20.0 - PLACE)
-    assert np.array_equal(coverage, mirrored[::-1, ::-1])
-    assert np.array_equal(coverage, disc(30.0 - PLACE, 20.0 + PLACE)[0][:, ::-1])
-
-
 def test_disc_across_the_periodic_edge_is_the_same_disc_rolled():
     middle, _ = disc([30.25, 33.0], [20.5, 12.0], periodic=(True, False))
     edge, _ = disc([0.25, 3.0], [20.5, 12.0], periodic=(True, False))
     assert np.array_equal(edge, np.roll(middle, 30, axis=1))  # 30 columns are half the panel
     assert edge[20, -1] > 0.9
-
-
-def test_disc_across_an_edge_that_is_not_periodic_is_cut_off():
-    coverage, _ = disc(0.0, 20.0)
-    assert coverage[:, 10:].max() == 0.0
-    half = np.pi * (3.5**2 + 1 / 12) / 2
-    assert coverage.sum() == pytest.approx(half, rel=0.03)  # rim sampling, as above
-
-
-def test_order_of_the_discs_does_not_matter():
-    generator = np.random.default_rng(1)
-    column, row, value = generator.uniform(0, 60, 50), generator.uniform(0, 40, 50), generator.uniform(0, 1, 50)
-    forward = disc(column, row, value=value)
-    backward = disc(column[::-1], row[::-1], value=value[::-1])
-    for one, other in zip(forward, backward, strict=True):
-        assert np.array_equal(one, other)  # sums of whole numbers
-
-
-def test_value_under_a_disc_is_its_own_and_a_mean_between_two():
-    coverage, value = disc([20.0, 23.5], [20.0, 20.0], radius=3.0, value=[0.25, 0.75])
-    assert value[20, 18] == pytest.approx(0.25, abs=SHARE)
-    assert value[20, 25] == pytest.approx(0.75, abs=SHARE)
-    assert 0.25 < value[20, 21] < 0.75
-    assert coverage.max() == 1.0
 
 
 def test_particles_at_nan_or_infinity_or_outside_leave_no_trace():
@@ -101,12 +69,6 @@ def test_any_number_of_discs_that_tile_the_panel_cover_it(count):
     assert 0.75 < coverage.mean() <= 1.0
 
 
-def test_dots_of_one_colour_keep_their_soft_rim_where_they_coincide():
-    once = cover(points(30.3, 20.6), 2.0, SHAPE)
-    thrice = cover(points([30.3] * 3, [20.6] * 3), 2.0, SHAPE)
-    assert np.array_equal(once, thrice)
-
-
 def test_line_through_dense_points_has_the_same_thickness_everywhere():
     line = dense_line(points([5.0, 55.0], [5.0, 35.0]))
     mask = cover(line, 1.0, SHAPE)
@@ -115,48 +77,12 @@ def test_line_through_dense_points_has_the_same_thickness_everywhere():
     assert mask.sum() == pytest.approx(2.0 * length + np.pi, rel=0.03)
 
 
-def test_blend_mixes_by_coverage_and_leaves_the_rest_alone():
-    panel = np.full((1, 3, 3), 200, dtype=np.uint8)
-    blend(panel, np.array([[0, LEVELS / 2, LEVELS]], dtype=np.float32), np.array([0.0, 100.0, 250.0], dtype=np.float32))
-    assert panel[0].tolist() == [[200, 200, 200], [100, 150, 225], [0, 100, 250]]
-
-
 def test_more_discs_in_one_pixel_than_anyone_draws_stay_within_the_scale():
     # the sums of 20 000 coverages and of their values do not fit beside each other in one number
     place = points([30.5] * 20_000, [20.5] * 20_000)
     coverage, value = paint(place, np.full(20_000, 0.5), 3.0)
     assert coverage.max() == 1.0
     assert 0.0 <= value.min() <= value.max() <= 1.1  # of no use, and harmless
-
-
-def shown(count, value):
-    """RGB of a panel with ``count`` equal discs on each other, in colours from black to white by way of red."""
-    ramp = np.minimum(np.outer(np.linspace(0.0, 1.0, 256), [2.0, 1.0, 0.5]), 1.0)
-    place = points([20.3] * count + [30.0], [15.6] * count + [20.0])
-    total, full = Discs(6.0, SHAPE).sums(place, np.array([value] * count + [0.9]), periodic=(False, False))
-    panel = np.zeros((*SHAPE, 4), dtype=np.uint8)
-    Shades(ramp, np.ones(3)).fill(panel, total, full)
-    return panel[:, :, :3].astype(float), total, full
-
-
-def test_shades_are_what_mixing_with_white_makes():
-    found, total, full = shown(1, 0.3)
-    coverage, values = np.divmod(total, 1 << VALUE_BITS)
-    cover, mean = np.minimum(coverage / full, 1.0)[..., None], values / (SHARES * np.maximum(coverage, 1))
-    exact = 255.0 * (1.0 - cover + cover * np.minimum(mean[..., None] * [2.0, 1.0, 0.5], 1.0))
-    # A step of 1/LEVELS in coverage times value, one of 1/255 in colour (both up to twice: the slope of red), a byte.
-    assert np.abs(found - exact).max() <= 2.0 * (0.5 + 0.5) + 0.5
-
-
-@pytest.mark.parametrize("count", [5, 40])
-def test_overlapping_discs_keep_their_colours(count):
-    once, _, _ = shown(1, 0.3)
-    often, _, full = shown(count, 0.3)
-    assert full < LEVELS
-    for column, row in ((20, 15), (31, 21)):
-        assert (
-            np.abs(often[row, column] - once[row, column]).max() <= 2.0 * 255.0 * 0.5 / full + 3.0
-        )  # as above, coarser
 
 
 STRIP = 0.5 / STRIPS  # of a pixel row: an upper or lower edge is at most this far from where it should be

@@ -1,6 +1,5 @@
 """Samples in the files of other programs: read back by their readers, or by the format's own words."""
 
-import json
 import re
 
 import h5py
@@ -117,25 +116,6 @@ def content(path):
     with h5py.File(path) as file:
         file.visititems(take)
     return found
-
-
-def test_npz_has_an_array_a_field(run):
-    with np.load(export(run, "npz")) as file:
-        assert file["t"].tolist() == TIMES
-        for index, sample in enumerate(run.samples):
-            assert all(np.array_equal(file[name][index], sample[name]) for name in sample)
-        assert json.loads(str(file["units"]))["u"] == "cm/s"
-
-
-def test_csv_has_a_line_a_particle_and_sample(run):
-    path = export(run, "csv")
-    rows = np.genfromtxt(path, delimiter=",", names=True, skip_header=2)
-    assert rows.dtype.names[:4] == ("t", "particle", "x", "y")
-    for t, sample in zip(TIMES, run.samples, strict=True):
-        now = rows[rows["t"] == t]
-        assert np.array_equal(now["particle"], np.arange(len(sample["x"])))
-        assert all(np.array_equal(now[name], sample[name]) for name in sample)
-    assert path.read_text().splitlines()[1].startswith("# units: t s, particle, x cm, y cm")
 
 
 def test_extxyz_says_what_its_columns_are(run):

@@ -41,11 +41,6 @@ def test_numbers_keep_the_digits_of_the_precision(precision, digits):
         assert stored != 0.3
 
 
-def test_nothing_is_printed(capfd):
-    runtime.start("f64", 1)
-    assert capfd.readouterr().out == ""
-
-
 @ti.kernel
 def misspelt() -> float:
     return undefined_name  # noqa: F821 (what the test is about)
@@ -232,14 +227,6 @@ class Loops:
 def set_never(value):
     """Let loops that may end early do so from now on, or not."""
     runtime.view(ti.lang.impl.get_runtime().never)[()] = value
-
-
-@pytest.mark.parametrize("serial", [True, False])
-def test_loops_count_to_their_ends(serial):
-    runtime.start("f64", 1)
-    loops = Loops(serial)
-    loops.count(20)
-    assert loops.counted() == [20, 20, 20]
 
 
 @of_taichi_1_7_4

@@ -11,7 +11,6 @@ from tisph.config import load
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
-from tisph.report.plots import profile_figure
 from tisph.scenes.cavity import Scene
 from tisph.schemes._forecast import forecast
 from tisph.simulation.state import start_snapshot, start_values
@@ -161,56 +160,16 @@ def test_a_reversed_lid_is_compared_with_the_same_tables(case):
     assert errors[0] == pytest.approx(errors[1], rel=0.02)  # other places of the particles at the lid
 
 
-def test_check_and_movie_find_what_they_ask_for(case, regular):
-    for scene in (regular, Scene.from_config(case())):
-        state = snapshot_of(scene)
-        assert len(scene.parameters()) == 5
-        for colour in ("speed", "vorticity", "pressure"):
-            assert scene.movie_view(colour, 20.0).of(state).shape == state.x.shape
-        assert scene.time_series().measure(state) == [0.0]
-        assert [profile.name for profile in scene.profiles()] == ["u", "v"]
-
-
-def test_pictures_say_where_a_reference_is_from(case):
-    sharp, regular = (Scene.from_config(case(f"walls.lid.profile={profile}")) for profile in ("sharp", "regular"))
-    source = centre_lines(100)[0].source
-    assert [profile.reference for profile in sharp.profiles()] == 2 * [f"{source}, steady"]
-    assert [profile.reference for profile in regular.profiles()] == ["steady", "steady"]
-
-
 @pytest.mark.parametrize("growth", [0.0, 0.05])
 def test_a_movie_draws_the_steady_reference_when_the_flow_is_steady(case, growth):
     scene = Scene.from_config(case())
     drawn = Drawn(scene, make_video(), "", 20.0)
-    for t in np.linspace(0.0, 20.0, 41):
+    for t in np.linspace(16.0, 20.0, 9):  # a flow is steady that has not changed for a tenth of the run
         start = snapshot_of(scene, t=t)
         picture = drawn.render(replace(start, u=(1.0 + growth * (t - 20.0)) * start.y))
     panel = picture[drawn.layout.profile.inner.slices].astype(int)
     red = np.count_nonzero(panel[:, :, 0] > panel[:, :, 1] + 60)
     assert red == 0 if growth else red > 100
-
-
-def test_the_legend_of_profiles_has_it(case):
-    scene = Scene.from_config(case())
-    (legend,) = profile_figure(scene, [snapshot_of(scene)]).legends
-    assert legend.get_texts()[-1].get_text() == f"{centre_lines(100)[0].source}, steady"
-
-
-def test_curves_in_pictures_have_the_tabulated_extremes(case):
-    """Splines through both tables of Re = 1000 are 3e-4 off; through one of them v_min was 3e-2 off."""
-    u, v = Scene.from_config(case("fluid.kinematic_viscosity=0.001")).profiles()
-    along = np.linspace(0.0, 1.0, 2001)
-    known, curves = extremes(1000), (u.exact(0.5, along, 0.0), v.exact(along, 0.5, 0.0))
-    assert (curves[0].min(), curves[1].min()) == pytest.approx((known["u_min"], known["v_min"]), abs=1e-3)
-    assert curves[1].max() == pytest.approx(known["v_max"], abs=1e-3)
-    assert v.reference == "published tables, steady"
-
-
-def test_each_panel_says_along_which_axis_it_goes(case):
-    scene = Scene.from_config(case("geometry.height=2.0"))
-    upright, level = profile_figure(scene, [snapshot_of(scene)]).axes
-    assert (upright.get_ylabel(), upright.get_ylim()) == ("y [m]", (0.0, 2.0))
-    assert (level.get_ylabel(), level.get_ylim()) == ("x [m]", (0.0, 1.0))
 
 
 def test_a_run_says_at_its_end_whether_it_is_steady(case, regular):

@@ -223,13 +223,6 @@ def test_a_movie_shows_the_distance_of_two_free_bodies(tmp_path):
     assert (series.levels, series.level_name) == ([0.25], "in contact")
 
 
-@pytest.mark.parametrize(("text", "drawn"), [(LATTICE, True), (REGION, False)])
-def test_the_mean_velocity_is_drawn_where_it_is_not_zero(tmp_path, text, drawn):
-    """In a closed box it is 0."""
-    panels = scene_of(loaded(tmp_path, text)).time_series().panels
-    assert (("superficial velocity", "velocity") in panels) == drawn
-
-
 def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(tmp_path):
     """In a flow of uniform shear: of stresslets 3 and 0.5, the torque 4, and the force 2 at 0.1 above mid-gap, and -7.
 

@@ -65,10 +65,6 @@ def test_dimensionless_numbers():
     assert channel.dynamic_viscosity == pytest.approx(1e-3, rel=1e-15)
 
 
-def test_the_faster_wall_is_the_reference_whatever_its_direction():
-    assert Channel(**{**WATER, "bottom": WallMotion(-0.02)}).reference_velocity == 0.02
-
-
 def test_from_rest_the_exact_solution_is_the_start_up():
     channel = Channel(**WATER)
     assert np.array_equal(channel.exact_velocity(HEIGHTS, 1.8), couette.velocity(HEIGHTS, 1.8, **START_UP))
@@ -127,13 +123,6 @@ def test_jitter_that_leaves_the_cell_is_refused(jitter):
         Channel(**WATER).jittered(0, jitter)
 
 
-def test_tracers_stand_on_a_vertical_line_at_the_centres_of_equal_parts():
-    x, y = Channel(**WATER).probe_positions(4)
-    assert x.tolist() == [0.01] * 4
-    assert y == pytest.approx([0.00125, 0.00375, 0.00625, 0.00875], rel=1e-15)
-    assert Channel(**WATER).probe_positions(2, 0.003)[0].tolist() == [0.003, 0.003]
-
-
 NU, GAP, DENSITY = 0.01, 1.0, 2.0
 Y = np.linspace(0.0, GAP, 21)
 AT_REST = WallMotion(0.0)
@@ -166,12 +155,6 @@ def test_motion_of_a_wall():
     # central difference: step^2 / 6 * 0.4^3 * 0.316 = 3.4e-9, rounding 1e-16 / 2e-3
     assert np.allclose(SWINGING.acceleration(t), change / 2e-3, rtol=0, atol=3.5e-9)
     assert (WallMotion(0.5).oscillates, SWINGING.oscillates) == (False, True)
-
-
-def test_largest_speed_of_a_wall_counts_what_it_had_before():
-    assert WallMotion(-0.5).largest_speed == 0.5
-    assert WallMotion(0.0, before=-0.7).largest_speed == 0.7
-    assert WallMotion(0.3, -0.4, 2.0).largest_speed == pytest.approx(0.5, rel=1e-15)
 
 
 def test_penetration_depth():
@@ -354,13 +337,6 @@ def test_polymer_stress_from_rest_and_developed():
     normal, shear, _ = steady.exact_polymer_stress(Y, 4.0)
     assert np.allclose(shear, DENSITY * 0.008 * 0.5, rtol=1e-12, atol=0)
     assert np.allclose(normal, 2 * 10.0 * DENSITY * 0.008 * 0.25, rtol=1e-12, atol=0)
-
-
-def test_without_polymer_there_is_no_polymer_stress():
-    normal, shear, _ = make_channel(top=WallMotion(0.5)).exact_polymer_stress(Y[:, None], np.ones(3))
-    assert normal.shape == shear.shape == (21, 3)
-    assert not normal.any()
-    assert not shear.any()
 
 
 OIL = {

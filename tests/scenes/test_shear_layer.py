@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from PIL import Image
-from report_scene import Drawn, make_video
 
 from tisph.config import load
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Samples, read_samples
-from tisph.report.labels import error_label
 from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.shear_layer import Scene
 from tisph.simulation.state import start_snapshot, start_values
@@ -43,11 +41,6 @@ def scene(case):
 @pytest.fixture
 def start(scene):
     return start_snapshot(scene, start_values(scene, SimpleNamespace(seed=0, jitter=0.2)), "f64")
-
-
-def test_scales(scene):
-    assert scene.reynolds == pytest.approx(1000.0, rel=1e-15)
-    assert (scene.time_scale, scene.particles, scene.fields) == (4.0, 3600, ())
 
 
 def test_the_start_is_divergence_free_and_smooth_across_the_edges(scene):
@@ -99,16 +92,3 @@ def test_files_and_pictures_do_without_a_reference(scene, start, tmp_path):
     samples.close()
     profile_figure(scene, read_samples(tmp_path / "samples.h5")).save(tmp_path / "profiles.png")
     assert Image.open(tmp_path / "profiles.png").size == (1320, 720)
-
-
-@pytest.mark.parametrize("color_by", ["speed", "vorticity"])
-def test_the_movie_shows_the_layers(scene, start, color_by):
-    video = make_video(640, 320, color_by)
-    renderer = Drawn(scene, video, "layers", 4.0)
-    panel = renderer.render(start).astype(float)[renderer.layout.box.slices]
-    assert error_label(renderer.scene, renderer.quantity.error)(start) == ""
-    bands = np.array([band.mean(axis=(0, 1)) for band in np.array_split(panel, 20)])  # of three rows of particles
-    layers, streams = bands[[4, 5, 14, 15]], bands[[0, 9, 10, 19]]
-    # colours of the layers are other than those of the streams between them, which are alike
-    assert np.abs(layers[:, None] - streams[None]).max(axis=2).min() > 30
-    assert np.abs(streams - streams.mean(axis=0)).max() < 10

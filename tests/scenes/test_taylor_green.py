@@ -4,7 +4,6 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import h5py
-import matplotlib
 import numpy as np
 import pytest
 from PIL import Image
@@ -17,7 +16,7 @@ from tisph.observers.guard import Guard
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Frames, Samples, read_frames
 from tisph.report.labels import error_label
-from tisph.report.plots import history_figure, profile_figure
+from tisph.report.plots import history_figure
 from tisph.simulation.state import start_snapshot, start_values
 
 ROUNDING = 1e-13  # relative, of sums over hundreds of particles of values with 1e-16
@@ -171,36 +170,9 @@ def test_frames_keep_the_pressure_where_it_is_shown(tmp_path, view):
     assert len(kept.pressure) == (scene.particles if view == "pressure" else 0)
 
 
-def test_profiles_are_drawn(tmp_path):
-    scene = make_scene()
-    profile_figure(scene, [make_snapshot(scene, t) for t in (0.5, 2.0)]).save(tmp_path / "profiles.png")
-    assert Image.open(tmp_path / "profiles.png").size == (1320, 1800)
-
-
 def make_renderer(color_by, **changes):
     video = make_video(960, 480, color_by, style="particles")
     return Drawn(make_scene(**changes), video, "vortices", 2.0)
-
-
-EXACT = {
-    "speed": lambda scene, x, y: np.hypot(*(scene.exact(name, x, y, 0.0) for name in "uv")),
-    "vorticity": lambda scene, x, y: scene.exact_vorticity(x, y, 0.0),
-    "pressure": lambda scene, x, y: scene.exact("pressure", x, y, 0.0),
-}
-
-
-@pytest.mark.parametrize("color_by", EXACT)
-@pytest.mark.parametrize("place", [(0.525, 0.775), (0.475, 0.525), (0.025, 0.325)])
-def test_discs_have_the_colour_of_what_is_shown(color_by, place):
-    renderer = make_renderer(color_by)
-    quantity, rect, scale = renderer.quantity, renderer.layout.box, renderer.layout.pixels_per_length
-    frame = renderer.render(make_snapshot(renderer.scene, 0.0, jitter=0.0))
-    found = frame[rect.bottom - 1 - int(place[1] * scale), rect.left + int(place[0] * scale)].astype(float)
-    lowest, highest = quantity.colour_range
-    share = (EXACT[color_by](renderer.scene, *place) - lowest) / (highest - lowest)
-    # vorticity is that of a quadratic fit to 18 neighbours, which is up to (k 2.4 spacings)^2/8 = 7 % small
-    near = matplotlib.colormaps[quantity.colour_map](share + np.linspace(-0.04, 0.04, 41) * (color_by == "vorticity"))
-    assert np.abs(255 * near[:, :3] - found).max(axis=1).min() <= 3  # levels, as in tests/report/test_quantities.py
 
 
 def test_error_in_the_picture_is_that_of_what_is_shown():
@@ -210,17 +182,6 @@ def test_error_in_the_picture_is_that_of_what_is_shown():
     labels = {name: error_label(renderer.scene, renderer.quantity.error)(off) for name, renderer in view.items()}
     assert labels["speed"] == labels["vorticity"] == "L2 error 1.0×10⁻²"
     assert labels["pressure"].startswith("L2 error of p 1.0×10⁰") or labels["pressure"].startswith("L2 error of p 9.9")
-
-
-def test_discs_wrap_around_in_both_directions():
-    renderer = make_renderer("speed")
-    one = replace(make_snapshot(renderer.scene), **{name: np.array([0.0]) for name in ("x", "y", "u", "v")})
-    panel = renderer.render(one)[renderer.layout.box.slices]
-    for row in (0, -1):
-        for column in (0, -1):
-            assert panel[row, column].min() < 128  # the dark colour of rest in all four corners
-    height, width = panel.shape[:2]
-    assert panel[height // 2, width // 2].min() == 255
 
 
 def test_several_periods_fill_the_frame():

@@ -54,18 +54,6 @@ def lines(monkeypatch):
     return run
 
 
-def test_a_very_short_run_prints_progress_at_a_tenth_and_the_end(lines):
-    assert lines(0.5) == [10, 100]
-
-
-def test_a_run_of_a_minute_has_ten_lines(lines):
-    assert lines(60.0) == list(range(10, 101, 10))
-
-
-def test_a_run_of_seconds_prints_at_most_a_line_a_second(lines):
-    assert lines(3.0) == [10, 43, 77, 100]  # at 0.3 s, 1.3 s, 2.3 s and the end
-
-
 def test_a_long_run_has_a_line_a_minute(lines):
     shown = lines(10 * 3600.0, steps=36000)
     assert len(shown) == pytest.approx(600, rel=0.02)  # steps of a second

@@ -200,17 +200,6 @@ def test_a_run_without_video_goes_on_with_one(case, tmp_path):
     assert json.loads(folder.summary.read_text())["status"] == "done"
 
 
-def test_a_run_goes_on_from_a_checkpoint_at_its_end(case, tmp_path):
-    settings = case("scheme={type: wcsph}", "output.checkpoint_every=0.9")
-    folder = Folder(tmp_path / "out")
-    simulation.run(settings, folder.root)
-    before = datasets(folder.frames)
-    assert checkpoint_time(folder) == 0.9
-    simulation.run(settings, folder.root, resume=True)
-    assert all(np.array_equal(before[name], values) for name, values in datasets(folder.frames).items())
-    assert json.loads(folder.summary.read_text())["status"] == "done"
-
-
 @pytest.mark.parametrize("scene", [pytest.param("wcsph", marks=pytest.mark.slow), "scheduled wall"])
 def test_an_extended_run_equals_one_that_was_planned_so_long(case, tmp_path, capsys, scene):
     shorter = "time={end: 0.6, samples: [0.3, 0.45, 0.6]}"  # the old end is a sample: both runs step onto it
@@ -278,15 +267,6 @@ def test_a_changed_or_truncated_checkpoint_is_refused(saved):
         path.write_bytes(content)
         with pytest.raises(ConfigError, match=r"checkpoint.h5: cannot be read"):
             restore()
-
-
-def test_a_file_that_is_no_checkpoint_is_refused(saved):
-    path, restore = saved
-    path.unlink()
-    with h5py.File(path, "w") as file:
-        file.attrs["config"] = "fingerprint"
-    with pytest.raises(ConfigError, match=r"checkpoint.h5: cannot be read"):
-        restore()
 
 
 @pytest.mark.parametrize("other", ["discretisation.particles_across=14", "scheme={type: implicit}"])

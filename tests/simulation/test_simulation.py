@@ -88,12 +88,6 @@ def test_callbacks_come_by_time_and_by_steps_and_change_no_bit(scheme):
         assert np.array_equal(alone.run_until(1.0).u, watched.u)
 
 
-@pytest.mark.parametrize("given", [{}, {"time": 0.1, "steps": 2}, {"time": -1.0}, {"steps": 2.5}])
-def test_a_schedule_that_is_none_is_refused(given):
-    with pytest.raises(ConfigError, match="every: give one of"):
-        tisph.every(**given)
-
-
 def test_a_saved_simulation_continues_bitwise(end_of_run, tmp_path):
     with tisph.Simulation(CASE) as sim:
         sim.run_until(0.5)

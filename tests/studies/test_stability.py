@@ -64,35 +64,6 @@ def test_every_cell_is_a_valid_config_of_what_it_says(loaded):
         assert len(config.time.samples) == 4
 
 
-def test_names_of_cells_differ_and_are_names_of_folders():
-    cells = matrix.cells(FULL)
-    assert len({cell.name for cell in cells}) == len(cells)
-    assert max(len(cell.name) for cell in cells) <= 64
-
-
-def test_every_family_has_a_cell_and_every_exception_is_a_flow():
-    families = dict.fromkeys(matrix.DATA["flows"], 0)
-    for name in USED:
-        families[flow_of(name).family] += 1
-    assert [family for family, count in families.items() if not count] == []
-    assert {*matrix.DATA["refused"], *matrix.DATA["required"]} <= set(USED)
-
-
-@pytest.mark.parametrize(
-    ("name", "family", "names"),
-    [
-        ("annulus0.5", "annulus{ratio}", {"ratio": 0.5}),
-        ("pair2.5_driven", "{shape}{size}_driven", {"size": 2.5, "motion": "fixed"}),
-        ("vortices0.5_polymer", "vortices{ratio}{fluid}", {"ratio": 0.5}),
-        ("suspension1_0.2_3.2", "suspension{density}_{fraction}_{radius}", {"density": 1.0, "fraction": 0.2}),
-    ],
-)
-def test_names_of_flows_hold_their_parameters(name, family, names):
-    flow = flow_of(name)
-    assert flow.family == family
-    assert {key: flow.names[key] for key in names} == names
-
-
 def test_a_name_of_no_flow_is_refused():
     with pytest.raises(KeyError, match="circles3"):
         flow_of("circles3")
@@ -146,38 +117,6 @@ def test_longer_steps_are_fewer_steps(loaded, scheme):
     assert usual / longer == pytest.approx(2.0, rel=0.06)
 
 
-@pytest.mark.parametrize(
-    ("requirement", "values"),
-    [
-        (STABLE, {"reynolds": 0.0125, "jitter": 0.3}),
-        (STABLE, {"flow": "poiseuille", "reynolds": 1000.0, "scheme": "implicit 4", "across": 50, "aspect": 0.5}),
-        (FINISHED, {"reynolds": 10000.0, "scheme": "implicit 4"}),
-        (STABLE, {"precision": "f32"}),
-        (FLAGGED, {"flow": "poiseuille", "reynolds": 10000.0}),
-        (FLAGGED, {"across": 8}),
-        (FLAGGED, {"scheme": "implicit 2"}),
-        (FLAGGED, {"step": 1.5}),
-        (FLAGGED, {"sound": 5.0}),
-        (FLAGGED, {"treatment": "adami"}),
-        (FLAGGED, {"flow": "oldroyd1"}),
-        (FLAGGED, {"flow": "oldroyd1", "scheme": "implicit 4"}),
-        (STABLE, {"flow": "taylor_green", "scheme": "implicit 4", "reynolds": 10000.0}),
-        (FINISHED, {"flow": "shear_layer"}),
-        (FLAGGED, {"flow": "shear_layer", "scheme": "implicit 4", "across": 12}),
-        (FLAGGED, {"flow": "taylor_green", "scheme": "implicit 4", "step": 2.0}),
-        (REFUSED, {"flow": "taylor_green", "scheme": "implicit 2"}),
-        (STABLE, {"flow": "annulus0.5", "scheme": "implicit 4", "across": 12, "jitter": 0.3}),
-        (FLAGGED, {"flow": "annulus0.5", "scheme": "implicit 4", "across": 12, "reynolds": 1000.0}),
-        (FLAGGED, {"flow": "annulus0.5", "scheme": "implicit 4", "step": 2.0}),
-        (FLAGGED, {"flow": "annulus0.2", "scheme": "implicit 4"}),
-        (FLAGGED, {"flow": "cylinder2", "scheme": "implicit 4", "across": 16}),
-        (REFUSED, {"flow": "cylinder1.5", "scheme": "implicit 4", "across": 16}),
-    ],
-)
-def test_requirements_of_cells(requirement, values):
-    assert Cell(**values).requirement == requirement
-
-
 def test_what_has_to_be_refused_is_refused(loaded):
     refused = [cell for cell in matrix.cells(FULL) if cell.requirement == REFUSED]
     assert refused
@@ -197,19 +136,6 @@ def test_every_pair_of_values_that_can_meet_does():
         for values in product(some, more):
             pair = tuple(zip((one, other), values, strict=True))
             assert (pair in met) == matrix.covered(dict(pair))
-
-
-def test_a_covering_set_leaves_out_only_pairs_that_no_row_can_have():
-    """Two values may exclude one another by a third: here 1 and x, each of which fits only one value of c."""
-    axes = {"a": (1, 2), "b": ("x", "y"), "c": (True, False)}
-    excluded = [{"a": 1, "c": True}, {"b": "x", "c": False}]
-    rows = matrix.covering_set(axes, lambda pair: pair not in excluded)
-    assert not any(excluding.items() <= row.items() for row in rows for excluding in excluded)
-    possible = [dict(zip(axes, row, strict=True)) for row in product(*axes.values())]
-    possible = [row for row in possible if not any(pair.items() <= row.items() for pair in excluded)]
-    wanted = {pair for row in possible for pair in combinations(row.items(), 2)}
-    assert {pair for row in rows for pair in combinations(row.items(), 2)} == wanted
-    assert (("a", 1), ("b", "x")) not in wanted
 
 
 def test_every_cell_has_its_baseline_before_it():
@@ -275,19 +201,6 @@ def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
     assert runs.most_at_once == 2
 
 
-def test_results_are_written_as_they_come(runs, tmp_path, monkeypatch):
-    start, seen = FakeRuns.__call__, []
-
-    def watched(self, *arguments):
-        path = tmp_path / "stress.json"
-        seen.append(len(written(tmp_path)["cells"]) if path.is_file() else 0)
-        return start(self, *arguments)
-
-    monkeypatch.setattr(FakeRuns, "__call__", watched)
-    stability.run(tmp_path, 1, PARTS)
-    assert seen == list(range(1, RUNS + 1))  # the refused one before all others, then one after another
-
-
 def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
     start = FakeRuns.__call__
 
@@ -329,12 +242,6 @@ def test_two_matrices_do_not_write_into_one_folder(runs, tmp_path, monkeypatch):
     monkeypatch.setattr(FakeRuns, "__call__", second)
     assert stability.run(tmp_path, 1, PARTS) is True
     assert refusals
-
-
-def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
-    (tmp_path / "file").write_text("")
-    with pytest.raises(ConfigError, match="cannot be written"):
-        stability.run(tmp_path / "file", 1, PARTS)
 
 
 def test_a_run_that_does_not_end_is_ended(tmp_path, monkeypatch):
@@ -383,12 +290,6 @@ def test_a_run_that_is_refused_once_it_ends_sooner_is_refused(tmp_path, monkeypa
     assert (found.refusal, found.t_star < 1.0) == ("too thin", True)
 
 
-def test_a_refusal_says_why_and_not_where(tmp_path):
-    found = plan(Cell(flow="taylor_green", scheme="implicit 2"), tmp_path)
-    assert found.refusal.startswith("scheme.operators.order")
-    assert str(tmp_path) not in found.refusal
-
-
 def row(verdict="stable", **values):
     cell = Cell(**values)
     numbers = {"error": 1e-3, "transverse_velocity": 1e-4, "density_variation": 1e-3}
@@ -414,20 +315,14 @@ def test_limits_are_where_the_first_run_fails():
     assert ranges["cell Reynolds number, explicit, lattice"] == {"fine": 2.0, "not": None}
 
 
-def test_density_variations_are_compared_at_one_mach_number():
-    (found,) = stability.limits(dict([row(sound=20.0)]))["largest"]
-    assert found["density_variation"] == pytest.approx(4e-3, rel=1e-12)
-
-
-def test_every_cell_has_a_place_of_its_own_in_its_map():
-    for part in PARTS[:1] + PARTS[2:]:
-        columns, names, places = stability.layout(part)
-        assert len(places) == len(part.cells)
-        assert {place for place in places} <= {(name, column) for name in names for column in columns}
-
-
 @pytest.mark.parametrize("quick", [False, True])
 def test_the_maps_of_the_matrix_have_room_for_every_cell(quick):
     for part in matrix.sub_matrices(quick):
         if part.columns:
             assert len(stability.layout(part)[2]) == len(part.cells)
+
+
+def test_a_folder_that_cannot_be_used_is_bad_input(runs, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ConfigError, match="cannot be written"):
+        stability.run(tmp_path / "file", 1, PARTS)

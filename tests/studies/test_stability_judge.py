@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tisph.studies import stability_judge as judge
-from tisph.studies.stability import REFUSED, Cell, Plan
+from tisph.studies.stability import Cell, Plan
 
 PLAN = Plan(Cell(jitter=0.3), {}, t_star=1.0)
 BASELINE = (4e-4, 3e-4, 2e-4, 1e-4)
@@ -52,10 +52,6 @@ def test_a_run_beyond_one_bound_is_inaccurate_and_says_which(why, values):
     assert ";" not in found.reason  # nothing but that
 
 
-def test_a_transverse_velocity_that_falls_is_no_growth():
-    assert verdict(transverse=(9e-3, 7e-3, 2e-3, 9e-4)).verdict == "stable"
-
-
 def test_before_the_flow_has_forgotten_the_disorder_more_is_allowed():
     early = replace(PLAN, t_star=0.1, warnings=("may go wrong",))
     assert verdict(plan=early, transverse=(5e-3,) * 4).verdict == "stable"
@@ -82,13 +78,6 @@ def test_errors_below_the_floor_are_not_compared():
     assert verdict(errors=times(1e4, tiny), baseline=summary(errors=tiny), plan=single).verdict == "stable"
 
 
-def test_errors_are_compared_only_where_stability_is_required():
-    tiny = (1e-8,) * 4
-    for across, wanted in ((25, "inaccurate"), (8, "stable")):
-        plan = replace(PLAN, cell=replace(PLAN.cell, across=across))
-        assert verdict(errors=times(1e5, tiny), baseline=summary(errors=tiny), plan=plan).verdict == wanted
-
-
 def test_a_baseline_is_held_to_the_predicted_error():
     baseline = replace(PLAN, cell=Cell(scheme="implicit 4"), predicted=1e-3)
     for factor, wanted in ((2.0, "stable"), (4.0, "inaccurate")):
@@ -101,12 +90,6 @@ def test_a_large_error_without_warning_is_a_silent_failure():
     found = verdict(errors=(0.03,) * 4)
     assert (found.verdict, found.met) == ("silent failure", False)
     assert "no warning" in found.reason
-
-
-def test_a_warning_excuses_more_but_not_everything():
-    warned = replace(PLAN, warnings=("may go wrong",))
-    assert verdict(errors=(0.19,) * 4, plan=warned).verdict == "inaccurate"
-    assert verdict(errors=(0.21,) * 4, plan=warned).verdict == "silent failure"
 
 
 def test_a_run_that_diverged_with_a_message_is_stopped():
@@ -126,16 +109,6 @@ def test_a_run_that_ends_without_a_clear_error_is_a_silent_failure(status, messa
     found = verdict({"status": status, "samples": []}, message=message)
     assert (found.verdict, found.met) == ("silent failure", False)
     assert (message or status) in found.reason
-
-
-def test_a_run_whose_baseline_stopped_is_judged_alone():
-    found = verdict(baseline={"status": "diverged", "samples": []})
-    assert (found.verdict, found.baseline_error, found.ratio) == ("stable", None, None)
-
-
-def test_flows_that_cross_zero_are_judged_by_the_rms():
-    found = verdict(plan=replace(PLAN, cell=Cell(flow="backflow", jitter=0.1)))
-    assert found.error == 0.5 * BASELINE[-1]
 
 
 def test_what_has_to_finish_may_be_inaccurate_and_not_grow():
@@ -161,18 +134,6 @@ def test_a_refusal_misses_only_the_requirement_of_a_stable_run(cell, kept):
     assert (found.verdict, found.reason, found.met) == ("refused", "too small", kept)
 
 
-class Refused(Cell):
-    """A cell that should be refused."""
-
-    requirement = REFUSED
-
-
-def test_what_should_have_been_refused_and_ran_misses_its_requirement():
-    plan = replace(PLAN, cell=Refused())
-    own = summary()
-    assert verdict(own, plan=plan, baseline=own).met is False
-
-
 VORTEX = Plan(Cell(flow="taylor_green", scheme="implicit 4", t_star=2.0), {}, t_star=2.0)
 LAYER = replace(VORTEX, cell=replace(VORTEX.cell, flow="shear_layer"))
 CYLINDERS = replace(VORTEX, cell=replace(VORTEX.cell, flow="annulus0.5", across=12))
@@ -185,13 +146,6 @@ def verdict_of(plan=VORTEX, energies=(0.25, 0.2, 0.15, 0.1), **last):
     samples[-1].update(last)
     found = {"status": "done", "samples": samples, "numbers": {"reference_velocity": 1.0}}
     return judge.judge(plan, found, "", found)
-
-
-def test_a_run_within_all_bounds_is_stable():
-    found = verdict_of()
-    assert (found.verdict, found.reason, found.met) == ("stable", "", True)
-    assert (found.error, found.max_void_radius, found.min_distance) == (1e-3, 0.8, 0.75)
-    assert found.baseline_error is None
 
 
 @pytest.mark.parametrize("plan", [VORTEX, LAYER])
@@ -210,37 +164,11 @@ def test_two_dimensional_runs_beyond_one_bound_are_inaccurate_and_say_which(plan
     assert ";" not in found.reason
 
 
-def test_voids_and_distances_count_at_any_time():
-    samples = [{**GOOD, "kinetic_energy": 0.1, "max_void_radius": radius} for radius in (0.8, 1.2, 0.8, 0.8)]
-    found = judge.judge(VORTEX, {"status": "done", "samples": samples}, "", {"status": "diverged", "samples": []})
-    assert "1.2 spacings" in found.reason
-
-
 @pytest.mark.parametrize(("across", "t_star", "largest"), [(25, 2.0, 2e-3), (50, 2.0, 2.5e-4), (25, 0.5, 1e-3)])
 def test_errors_may_grow_with_time_and_have_to_fall_with_the_spacing(across, t_star, largest):
     plan = replace(VORTEX, cell=replace(VORTEX.cell, across=across, t_star=t_star), t_star=t_star)
     assert verdict_of(plan, rms=0.99 * largest).verdict == "stable"
     assert verdict_of(plan, rms=1.01 * largest).verdict == "inaccurate"
-
-
-def test_a_large_error_is_a_silent_failure_where_there_is_a_reference():
-    assert verdict_of(rms=0.19).verdict == "inaccurate"
-    assert verdict_of(rms=0.21).verdict == "silent failure"
-    assert verdict_of(LAYER, rms=None).verdict == "stable"
-
-
-def test_vortices_that_no_run_can_follow_are_not_compared():
-    fast = replace(VORTEX.cell, reynolds=10000.0)
-    assert fast.measure == "rms"
-    late = replace(fast, t_star=20.0)
-    assert late.measure is None
-    assert verdict_of(replace(VORTEX, cell=late, t_star=20.0), rms=0.9).verdict == "stable"
-
-
-def test_the_cell_itself_is_its_baseline():
-    cell = Cell(flow="shear_layer", jitter=0.3)
-    assert cell.baseline == cell
-    assert judge.BOUNDS.void > 1.0 > judge.BOUNDS.distance
 
 
 def compared(drags, resolved, fine=None):
@@ -310,12 +238,6 @@ def test_torque_and_radial_velocity_of_vortices_are_compared():
         own = {**baseline, "samples": [fine, fine, fine, {**fine, **changes}]}
         found = judge.judge(replace(VORTEX, cell=cell), own, "", baseline)
         assert (found.verdict, found.error) == ("stable" if error < 0.02 else "silent failure", pytest.approx(error))
-
-
-def test_a_run_with_twice_the_particles_serves_every_jitter():
-    fine = Cell(flow="square3", across=48, jitter=0.3)
-    assert {Cell(flow="square3", across=24, jitter=jitter).baseline for jitter in (0.05, 0.3)} == {fine}
-    assert fine.baseline == fine
 
 
 def test_between_walls_energy_may_grow_and_errors_fall_with_spacing():

@@ -4,7 +4,6 @@ import json
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 from ruamel.yaml import YAML
 from scipy.integrate import quad
@@ -74,72 +73,6 @@ def test_runs_of_all_suites_have_names_of_their_own(quick):
     assert len(suites.whole(quick).runs) == sum(len(part.runs) for part in parts)
 
 
-def test_every_file_is_part_of_the_whole():
-    files = {path.stem for path in suites.FOLDER.glob("*.yaml")}
-    assert files - {"frontier", "manufactured", "stability", "walls"} == set(suites.PARTS)  # these have no checks
-
-
-def time_scale(config):
-    geometry = config.get("geometry", {})
-    if config["scene"] == "channel":
-        return geometry["gap"] ** 2 / config["fluid"]["kinematic_viscosity"]
-    if config["scene"] in ("annulus", "eccentric_annulus"):
-        gap = geometry["outer_radius"] - geometry["inner_radius"]
-        return gap**2 / config["fluid"]["kinematic_viscosity"]
-    if config["scene"] == "pipe":
-        gap = geometry["radius"] - geometry.get("inner_radius", 0.0)
-        return gap**2 / config["fluid"]["kinematic_viscosity"]
-    if config["scene"] == "cavity":
-        return geometry["width"] / config["walls"]["lid"]["velocity"]
-    return geometry["length"] / config["initial"]["velocity"]
-
-
-@EACH
-def test_every_run_has_the_samples_that_are_asked_of_it(suite):
-    for criterion in suite.criteria:
-        words, _, time = criterion.quantity.rpartition(" = ")
-        if words.endswith((" t*", " t")):
-            for name in criterion.runs:
-                config = suite.runs[name]
-                scale = time_scale(config) if words.endswith("*") else 1.0
-                assert any(math.isclose(t / scale, float(time), rel_tol=1e-5) for t in config["time"]["samples"])
-
-
-@pytest.mark.parametrize("quick", [True, False])
-def test_all_couette_runs_are_the_same_flow(quick):
-    """Re = 50, whatever the units and the walls."""
-    for config in suites.ours("couette", quick).runs.values():
-        speed = max(abs(config["walls"][name]["velocity"]) for name in ("bottom", "top"))
-        reynolds = speed * config["geometry"]["gap"] / config["fluid"]["kinematic_viscosity"]
-        assert reynolds == pytest.approx(50, rel=1e-14)
-
-
-def test_creeping_and_fast_flow_have_the_reynolds_numbers_of_their_names():
-    for name, expected in (("implicit_creeping", 0.0125), ("implicit_re_1000", 1000.0)):
-        config = suites.config_of("implicit", name)
-        speed, gap = config["walls"]["top"]["velocity"], config["geometry"]["gap"]
-        assert speed * gap / config["fluid"]["kinematic_viscosity"] == pytest.approx(expected, rel=1e-14)
-
-
-@pytest.mark.parametrize("quick", [True, False])
-def test_the_si_run_is_the_base_in_other_units(quick):
-    """1 cm = 0.01 m, mass and time the same."""
-    runs = suites.ours("couette", quick).runs
-    ours, base = runs["si"], runs["across_25" if quick else "across_50"]
-    powers = {"density": -3, "kinematic_viscosity": 2, "gap": 1, "length": 1}
-    for part in ("fluid", "geometry"):
-        for key, value in base[part].items():
-            assert ours[part][key] == pytest.approx(value * 0.01 ** powers[key], rel=1e-14)
-    assert ours["walls"]["top"]["velocity"] == pytest.approx(0.01 * base["walls"]["top"]["velocity"], rel=1e-14)
-
-
-def test_the_fluid_without_polymer_differs_in_its_rheology_only():
-    runs = suites.ours("viscoelastic").runs
-    ours, newtonian = runs["oldroyd_b_without_polymer"], runs["newtonian"]
-    assert ours["fluid"].pop("rheology")["solvent_fraction"] == 1.0
-    assert ours == newtonian
-
-
 @pytest.mark.parametrize("name", ["bodies", "free_bodies"])
 def test_numbers_of_bodies_are_those_of_their_runs(name):
     """Constants in expressions and measures repeat the config: area, drive, load, viscosity."""
@@ -204,18 +137,6 @@ def test_drag_of_a_confined_cylinder_is_read_at_its_weissenberg_number():
     force = 117.78 * config["fluid"]["kinematic_viscosity"] * velocity
     sample = {"superficial_velocity": velocity, "drag": force - math.pi * config["drive"]["acceleration"]}
     assert row.judge(Result(Path(), {"status": "done", "samples": [sample]})).value == pytest.approx(0.0, abs=1e-9)
-
-
-def test_the_published_flows_have_their_reynolds_numbers():
-    """40 of gap and walls; 25, and 1 of the ellipse; the disc settles in a box of 2 x 6."""
-    migration, ellipse, disc = (LONG[1].runs[name] for name in ("migration", "turning_ellipse", "settling_disc"))
-    assert 1.0 / migration["fluid"]["kinematic_viscosity"] == pytest.approx(40.0)
-    assert 1.0 / ellipse["fluid"]["kinematic_viscosity"] == pytest.approx(25.0)
-    half_axis = max(ellipse["bodies"][0]["half_axes"])
-    assert 4 * half_axis**2 / ellipse["fluid"]["kinematic_viscosity"] == pytest.approx(1.0)
-    corners = np.array(disc["walls"]["around"]["corners"])
-    assert np.ptp(corners, axis=0).tolist() == [2.0, 6.0]
-    assert disc["bodies"][0]["density"] == 1.25
 
 
 @pytest.mark.parametrize(
@@ -333,17 +254,6 @@ walls: {bottom: {velocity: 0.0}, top: {velocity: 1.0}}
 discretisation: {particles_across: 16}
 time: {end: 1.0}
 """
-
-
-def test_a_suite_of_a_user_is_read_from_files(tmp_path):
-    (tmp_path / "flow.yaml").write_text(FLOW)
-    (tmp_path / "mine.yaml").write_text(GOOD)
-    suite = verify.suite_of(str(tmp_path / "mine.yaml"))
-    assert suite.runs["fine"]["discretisation"] == {"particles_across": 32}
-    assert suite.runs["fine"]["time"] == {"end": 0.1, "samples": [0.1]}
-    (row,) = suite.criteria
-    results = [Result(Path(), {"samples": [{"t": 0.1, "l2": number**-4.0}]}) for number in (16, 32)]
-    assert row.judge(*results).value == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize(

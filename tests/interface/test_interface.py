@@ -35,12 +35,7 @@ def test_help_is_a_few_screens_and_has_every_public_name():
 
 def test_overrides_are_yaml_of_plain_values():
     values = {"time.end": np.float64(1.5), "time.samples": np.array([0.5, 1.5]), "output.video": None, "name": "a: b"}
-    assert override_texts(values) == [
-        "time.end=1.5",
-        "time.samples=[0.5, 1.5]",
-        "output.video=null",
-        'name="a: b"',
-    ]
+    assert override_texts(values) == ["time.end=1.5", "time.samples=[0.5, 1.5]", "output.video=null", 'name="a: b"']
 
 
 def test_a_dict_and_a_checked_config_ask_for_what_a_file_does(case, couette):

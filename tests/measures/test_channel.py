@@ -53,11 +53,7 @@ def exact_snapshot(channel, t, jitter):
     if channel.polymer is None:
         return snapshot_of(channel, lambda y: channel.exact_velocity(y, t), None, t, jitter)
     return snapshot_of(
-        channel,
-        lambda y: channel.exact_velocity(y, t),
-        lambda y: channel.exact_polymer_stress(y, t)[1],
-        t,
-        jitter,
+        channel, lambda y: channel.exact_velocity(y, t), lambda y: channel.exact_polymer_stress(y, t)[1], t, jitter
     )
 
 
@@ -147,13 +143,7 @@ def test_exact_fields_give_the_exact_stress_in_every_flow(name, t, jitter, tmp_p
 @pytest.mark.parametrize("jitter", [0.0, 0.2])
 @pytest.mark.parametrize(
     ("name", "power"),
-    [
-        ("couette", 4),
-        ("poiseuille", 4),
-        ("backflow", 4),
-        ("oscillating_slow", 4),
-        ("oldroyd_b_couette_explicit", 3),
-    ],
+    [("couette", 4), ("poiseuille", 4), ("backflow", 4), ("oscillating_slow", 4), ("oldroyd_b_couette_explicit", 3)],
 )
 def test_the_error_of_the_fit_falls_with_its_power_of_the_spacing(name, power, jitter, tmp_path):
     """Where 25 across resolve the layer at the wall: solvent and polymer, with and without curvature at the wall."""

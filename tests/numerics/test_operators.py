@@ -51,10 +51,7 @@ def test_laplacian_and_gradient_converge_at_second_order_on_the_lattice(make):
         diffusion = -DIFFUSION * scheme.scene.spacing * 5.0 * wave**2 * s
         exact_compression = -(1 + s) * wave * np.cos(wave * x) + diffusion
         errors.append(
-            (
-                np.abs(acceleration[:, 0] - exact)[inside].max(),
-                np.abs(compression - exact_compression)[inside].max(),
-            )
+            (np.abs(acceleration[:, 0] - exact)[inside].max(), np.abs(compression - exact_compression)[inside].max())
         )
     orders = np.log2(np.array(errors[0]) / np.array(errors[1]))
     # second order, less what the next term of the expansion takes at 12 points a wave

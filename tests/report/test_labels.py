@@ -10,13 +10,7 @@ from tisph import scenes
 from tisph.config import load
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
-from tisph.report.labels import (
-    axis_exponent,
-    coordinate_name,
-    cut_name,
-    fixed_point,
-    number,
-)
+from tisph.report.labels import axis_exponent, coordinate_name, cut_name, fixed_point, number
 from tisph.report.layout import Rect, arrange
 from tisph.report.text import DriveLabel, paint_arrow, wall_labels
 

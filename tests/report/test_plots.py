@@ -195,8 +195,3 @@ def test_a_start_that_is_not_resolved_is_shown_unless_it_is_large(tmp_path, star
     (axes,) = history_figure(scene, {}, np.linspace(0.0, 1.0, 11), values, resolved).axes
     margin = 0.1 * (2.0 - shown)
     assert axes.get_ylim() == pytest.approx((shown - margin, 2.0 + margin), rel=1e-12)
-
-
-def _marked(line):
-    start, step = line.get_markevery()
-    return start, None, step

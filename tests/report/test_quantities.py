@@ -5,16 +5,7 @@ from dataclasses import replace
 import matplotlib
 import numpy as np
 import pytest
-from report_scene import (
-    END,
-    Drawn,
-    make_annulus,
-    make_channel,
-    make_polymer_channel,
-    make_snapshot,
-    make_video,
-    shown,
-)
+from report_scene import END, Drawn, make_annulus, make_channel, make_polymer_channel, make_snapshot, make_video, shown
 
 from tisph.geometry.motion import WallMotion
 from tisph.report import style

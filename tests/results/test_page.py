@@ -18,13 +18,7 @@ from typer.testing import CliRunner
 import tisph
 from tisph import cli
 from tisph.report.labels import scientific
-from tisph.results.page import (
-    View,
-    estimate_table,
-    measure_table,
-    movie_element,
-    report,
-)
+from tisph.results.page import View, estimate_table, measure_table, movie_element, report
 
 pytestmark = pytest.mark.taichi
 

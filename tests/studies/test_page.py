@@ -22,11 +22,7 @@ def page_summary(status="done", **changes):
         "wall_shear_top_exact": 2.11e-5,
         "density_variation": 2e-5,
     }
-    return {
-        "status": status,
-        "numbers": {"reynolds": 50.0, "mach": 0.1},
-        "samples": [{**sample, **changes}],
-    }
+    return {"status": status, "numbers": {"reynolds": 50.0, "mach": 0.1}, "samples": [{**sample, **changes}]}
 
 
 def test_the_page_table_survives_runs_that_did_not():

@@ -76,12 +76,7 @@ def sleeper():
 def make_result(folder=None, speed=0.5, **errors):
     """Result of a run with the given l2 errors, keyed t18 for t* = 0.018."""
     samples = [
-        {
-            "t_star": float(key[1:]) / 1000,
-            "l2": value,
-            "max_transverse_velocity": 1e-7,
-            "density_variation": 2e-5,
-        }
+        {"t_star": float(key[1:]) / 1000, "l2": value, "max_transverse_velocity": 1e-7, "density_variation": 2e-5}
         for key, value in errors.items()
     ]
     numbers = {"mach": 0.1, "sound_speed": 10 * speed, "reference_velocity": speed}

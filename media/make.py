@@ -76,7 +76,8 @@ def settings(name):
     loaded = config.load(ROOT / "configs" / f"{name}.yaml", changes)
     scene, video = scenes.of(loaded), loaded.output.video
     layout = json.dumps(asdict(arrange(displayed(scene), video.width, video.height, style.THEMES[video.theme])))
-    drawing = {"preview t*": preview_t_star, "layout and colours": hashlib.sha256(layout.encode()).hexdigest()[:16]}
+    drawing = {"preview t*": preview_t_star, "heading": loaded.heading}
+    drawing["layout and colours"] = hashlib.sha256(layout.encode()).hexdigest()[:16]
     return json.loads(json.dumps(drawing | flat(loaded.resolved())))
 
 

@@ -76,12 +76,6 @@ def test_keys_of_a_scene_are_its_own():
     assert "\nShapes: circle\n" in keys("lattice").stdout
 
 
-def test_keys_of_an_unknown_scene_name_the_nearest():
-    done = keys("chanel")
-    assert done.exit_code == 2
-    assert "nearest: channel" in done.stderr
-
-
 def test_keys_of_one_section_are_no_others():
     lines = keys("channel", "walls").stdout.splitlines()
     assert lines[0] == "Scene channel: Channel flow."

@@ -11,7 +11,8 @@ from oracles.circular_couette import CircularCouette, Rotation
 from typer.testing import CliRunner
 
 import tisph
-from tisph import cli, registry, scenes
+from tisph import cli, registry, scenes, simulation
+from tisph.config.loader import loaded
 from tisph.errors import ConfigError
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.linear_viscoelasticity import (
@@ -450,6 +451,7 @@ def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities
     assert read_schedule(config, channel, SCHEDULED_LIQUID, Schedule(times, velocities), table).title == title
 
 
+@pytest.mark.taichi
 def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
     """Moduli of two short runs in a narrow gap, as from a file and from Python, and beside the linear theory."""
     fluid = {"density": 1.0, "dynamic_viscosity": 1.0}
@@ -466,7 +468,8 @@ def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
             "time": {"end": 8.0 * np.pi / frequency},
             "output": {"video": None},
         }
-        folders.append(str(tisph.run(config, tmp_path / config["name"]).folder))
+        folders.append(str(tmp_path / config["name"]))
+        simulation.run(loaded(config, {}), Path(folders[-1]), pictures=False, video=False)
     done = CliRunner().invoke(cli.app, ["rheometry", *folders, "--csv", str(tmp_path / "moduli.csv")])
     assert done.exit_code == 0, done.output
     assert "moduli over the angular frequency" in done.output
@@ -485,6 +488,7 @@ def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
     assert drawn[2].tolist() == [10.0, 20.0]  # in the order of the frequency
 
 
+@pytest.mark.taichi
 def test_start_ups_make_one_flow_curve(tmp_path):
     """Viscosity and N1 of two short runs in a narrow gap at their ends, beside the law of the fluid."""
     rheology = {"type": "giesekus", "relaxation_time": 0.1, "solvent_fraction": 0.5, "mobility": 0.3}
@@ -499,7 +503,7 @@ def test_start_ups_make_one_flow_curve(tmp_path):
             "time": {"end": 0.6 if rate == 20.0 else 0.1},
             "output": {"video": None},
         }
-        tisph.run(config, tmp_path / config["name"])
+        simulation.run(loaded(config, {}), tmp_path / config["name"], pictures=False, video=False)
     done = CliRunner().invoke(cli.app, ["rheometry", *(str(tmp_path / f"rate_{rate}") for rate in (20, 5))])
     assert done.exit_code == 0, done.output
     table = done.stdout.partition("steady shear\n")[2].splitlines()

@@ -19,7 +19,6 @@ from tisph.report.layout import arrange
 from tisph.report.overlays import BodyTracks, Solids, Tracks
 from tisph.report.plots import history_figure
 from tisph.results._results import Trajectories as Read
-from tisph.schemes._forecast import described, forecast
 from tisph.schemes.implicit.planar.free_bodies import Contact
 from tisph.simulation.recording import _steady
 from tisph.simulation.state import start_snapshot, start_values
@@ -234,29 +233,6 @@ def test_bodies_leave_wider_tracks_that_end_at_periodic_sides(make):
 # --- other outputs
 
 
-def test_check_says_what_is_free_and_what_its_speed_is(make):
-    config, *_ = make()
-    lines = "\n".join(described(config, *forecast(config)))
-    assert "at the start; gaps will change as bodies move" in lines
-    assert "free bodies            2 of 3, of 1, 1.5 times the density of the fluid" in lines
-    assert "speed U                0.5 m/s, of the fastest body or wall" in lines
-    config, *_ = make("walls={}", "initial.state=rest", "drive.gravity=[0.0, -1.0]")
-    lines = "\n".join(described(config, *forecast(config)))
-    assert "an estimate: of a free body under its load" in lines
-    assert "Reynolds number        about " in lines
-
-
-@pytest.mark.parametrize(("count", "words"), [(0, None), (1, "touched once, for 0.5 s"), (3, "touched 3 times")])
-def test_a_run_with_contacts_says_so_at_its_end(make, count, words):
-    config, scene, _ = make()
-    costs = dict.fromkeys(("wall_loop_s", "wall_compile_s", "wall_output_s", "wall_import_s", "wall_total_s"), 1.0)
-    numbers = {"contacts": count, "contact_time": 0.5, "contact_force": 1.0}
-    summary = json.loads(json.dumps({"samples": [], "numbers": numbers, "cost": {"steps": 3, **costs}}))
-    text = result_text(config, scene, summary)
-    assert ("touched" in text) == bool(words)
-    assert words is None or words in text
-
-
 def test_pairs_that_are_left_out_of_contact_do_not_touch(make):
     _, scene, _ = make(MANY)
     draw = np.random.default_rng(1)
@@ -268,3 +244,14 @@ def test_pairs_that_are_left_out_of_contact_do_not_touch(make):
         near = contact._near_pairs(0.0)
         assert 0 < len(near) < len(contact.pairs)
         assert all(gap(bodies[i], bodies[j]) > 0.1 for i, j in set(contact.pairs) - set(near))
+
+
+@pytest.mark.parametrize(("count", "words"), [(0, None), (1, "touched once, for 0.5 s"), (3, "touched 3 times")])
+def test_a_run_with_contacts_says_so_at_its_end(make, count, words):
+    config, scene, _ = make()
+    costs = dict.fromkeys(("wall_loop_s", "wall_compile_s", "wall_output_s", "wall_import_s", "wall_total_s"), 1.0)
+    numbers = {"contacts": count, "contact_time": 0.5, "contact_force": 1.0}
+    summary = json.loads(json.dumps({"samples": [], "numbers": numbers, "cost": {"steps": 3, **costs}}))
+    text = result_text(config, scene, summary)
+    assert ("touched" in text) == bool(words)
+    assert words is None or words in text

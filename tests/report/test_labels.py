@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from report_scene import END, Drawn, make_channel, make_snapshot, make_video, particles
+from report_scene import END, Drawn, make_channel, make_video, particles
 
 from tisph import scenes
 from tisph.config import load
@@ -101,52 +101,6 @@ def test_labels_and_arrows_follow_a_wall_that_oscillates():
         "\N{MINUS SIGN}0.00400 m/s",
         "\N{MINUS SIGN}0.00283 m/s",
     ]
-
-
-def test_arrows_are_as_long_as_the_wall_is_fast():
-    renderer = renderer_of(top=WallMotion(0.004, 0.0, FREQUENCY))
-    bar, box = renderer.layout.wall("top"), wall_labels(renderer.scene, renderer.layout)[0].box
-    left_of_words = slice(bar.left, box.left)
-    lengths = []
-    for t in (0.0, 1.0 / 3.0, 5.0 / 3.0):  # velocity 1, 1/2 and 1/2 of the amplitude
-        wall = frame_at(renderer, t)[bar.top : bar.bottom, left_of_words, 0]
-        lengths.append(np.count_nonzero((wall > 200).any(axis=0)))
-    assert lengths[1] == lengths[2]
-    # Arrows of 26 and 13 pixels; their tips, less than a pixel high, are too pale to count: two pixels each.
-    arrows = len(arrow_directions(renderer, 0.0))
-    assert lengths[1] == pytest.approx(lengths[0] / 2, abs=2.0 * arrows)
-
-
-def test_only_a_wall_that_oscillates_changes_with_time():
-    renderer = renderer_of(bottom=WallMotion(0.0, 0.002, FREQUENCY), top=WallMotion(0.005), acceleration=1e-3)
-    layout = renderer.layout
-    one, other = (renderer.render(make_snapshot(renderer.scene, t, slip=0.1 * t)).copy() for t in (0.5, 1.5))
-    changed = np.any(one != other, axis=2)
-    assert changed[layout.wall("bottom").slices].any()
-    labels = layout.time_label, layout.error_label
-    for part in (layout.wall("bottom"), layout.box, layout.profile, layout.series, *labels):
-        changed[part.slices] = False
-    assert not changed.any()
-
-
-def test_words_beside_a_short_wall_stand_on_white():
-    renderer = renderer_of(top=WallMotion(0.0, before=0.005), length=0.003, **DEVELOPED)
-    box = wall_labels(renderer.scene, renderer.layout)[0].box
-    assert box.left >= renderer.layout.wall("top").right
-    place = frame_at(renderer, 0.0)[box.slices]
-    assert np.all(place[0] == 255)
-    assert place.min() < 90
-
-
-@pytest.mark.parametrize("acceleration", [2e-3, -2e-3])
-def test_drive_has_an_arrow_in_its_direction(acceleration):
-    renderer = renderer_of(acceleration=acceleration)
-    box = DriveLabel(renderer.scene, renderer.layout).box
-    arrow = box.right - renderer.layout.pixels(34)
-    ink = (frame_at(renderer, 1.0)[box.top : box.bottom, arrow : box.right, 0] < 90).sum(axis=0)
-    columns = np.flatnonzero(ink)
-    head = np.argmax(ink) - columns[0] > len(columns) / 2
-    assert head == (acceleration > 0)
 
 
 def scene_of(name, **changes):

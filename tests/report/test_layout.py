@@ -1,10 +1,9 @@
 from itertools import combinations
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from matplotlib.text import Text
-from report_scene import END, Drawn, make_channel, make_polymer_channel, make_snapshot, make_video, shown
+from report_scene import END, make_channel, make_polymer_channel, shown
 
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
@@ -105,11 +104,3 @@ def test_no_text_about_stress_overlaps_another_or_leaves_the_frame(ratio, units)
     channel = make_polymer_channel(length=0.01 * ratio, acceleration=-2e-3, units=units)
     layout = arrange(channel, 1280, 640)
     assert_legible(boxes_of(channel, layout, "shear_stress"), 1280, 640)
-
-
-@pytest.mark.parametrize("size", [(240, 240), (240, 1200), (1200, 240)])
-def test_small_and_odd_shaped_frames_can_be_drawn(size):
-    channel = make_channel(rows=6)
-    frame = Drawn(channel, make_video(*size), "extreme", END).render(make_snapshot(channel, 1.0))
-    assert frame.shape == (size[1], size[0], 3)
-    assert np.all(frame[0, 0] == 255)

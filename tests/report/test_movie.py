@@ -1,6 +1,5 @@
 """Movies: frames, encoder, the frame of the flow, and both halves of a cut through the axis."""
 
-import warnings
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -191,15 +190,6 @@ def test_a_periodic_edge_shows_both_parts_of_a_disc(renderer):
     assert panel[panel.shape[0] // 2, -1, 0] == 255
 
 
-def test_particles_gone_wrong_do_not_stop_the_picture(renderer):
-    channel = renderer.scene
-    wrong = particles(channel, 1.0, [0.001, np.nan, 0.003, 0.007], [0.005, 0.005, np.inf, 0.005], [0, 0, 0, np.nan])
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        frame = renderer.render(wrong)
-    assert frame[pixel(renderer, 0.001, 0.005)][0] < 100
-
-
 def test_user_settings_of_matplotlib_do_not_reach_the_picture(renderer):
     with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "black", "figure.facecolor": "black"}):
         other = Drawn(renderer.scene, WIDE, "test", END)
@@ -254,22 +244,3 @@ def test_streamlines_are_lines_of_the_stream_function_of_stokes_in_both_halves()
         radius = np.abs(y)
         psi = radius * 16.0 * ((radius - 1.0) * (2.0 - radius)) ** 2 * np.sin(2 * np.pi * x / scene.length)
         assert np.ptp(psi) < 0.05 * 1.6  # of the largest; means of the nearest are of second order
-
-
-def test_walls_are_in_either_half_and_bodies_on_the_axis_are_whole():
-    cut = FullCut(start("taylor_vortices")[0])
-    assert cut.extent[1] == 4.0
-    assert cut.sides == (1.0, -1.0, 1.0, -1.0)
-    assert len(FullCut(start("pipe")[0]).bodies) == 2
-    assert len(FullCut(start("sphere_in_tube")[0]).bodies) == 3
-
-
-@pytest.mark.parametrize(("rows", "style"), [(40, "particles"), (41, "field")])
-def test_many_rows_of_a_channel_are_a_field(rows, style):
-    """Gaps between more discs make a moire; a style that the config gives stays."""
-    channel = make_channel(rows=rows)
-    automatic, given = (Drawn(channel, make_video(style=each), "", END) for each in ("auto", "particles"))
-    for drawn in (automatic, given):
-        drawn.render(make_snapshot(channel, 1.0))
-    assert automatic.renderer._fluid.style == style
-    assert given.renderer._fluid.style == "particles"

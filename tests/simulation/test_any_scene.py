@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from tisph import config, registry, simulation
-from tisph.cli import check
 from tisph.folder import Folder
 from tisph.observers.history import read_history
 from tisph.schemes._protocol import SampleEstimate
@@ -89,19 +88,6 @@ def settings(tmp_path, monkeypatch):
     path = tmp_path / "case.yaml"
     path.write_text(CASE)
     return config.load(path)
-
-
-def test_check_says_what_the_flow_is(settings, tmp_path, capsys):
-    check.check(str(tmp_path / "case.yaml"), None)
-    text = capsys.readouterr().out
-    for part in (
-        "valid (taylor_green, wcsph)",
-        "100  (U L / nu)",
-        "(12 across, 24 along)",
-        "resolved; 10 steps",
-        "errors                 no estimate before the run",
-    ):
-        assert part in text
 
 
 def test_a_run_leaves_all_its_files(settings, tmp_path):

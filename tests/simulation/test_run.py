@@ -141,11 +141,6 @@ def test_a_run_begins_with_the_warnings_of_check(tisph, run, tmp_path):
     assert run(*case, "--resume").stderr.splitlines()[: len(expected)] == expected
 
 
-def test_the_resolved_config_reproduces_the_run(run, finished, tmp_path):
-    run("--no-video", config=finished / "config.resolved.yaml")
-    same_bits(samples(tmp_path / "out"), samples(finished))
-
-
 @pytest.mark.other_program
 @pytest.mark.parametrize(
     "choice",

@@ -21,7 +21,6 @@ from tisph.studies.frontier import (
     comparison_table,
     comparisons,
     equal_resolution,
-    equal_resolution_table,
     fastest,
     pareto_front,
     peer_rows,
@@ -88,13 +87,6 @@ def test_a_peer_that_comes_too_close_misses_the_bound(flow, bound):
     assert [found.passed for found in comparisons([ours, near, far])] == [False, True]
 
 
-def test_peers_that_failed_are_not_compared_and_quoted_ones_not_judged():
-    quoted = row("JAX-SPH, quoted", 1e-2, 0.1, code="JAX-SPH", quoted=True)
-    (found,) = comparisons([row("explicit", 1e-3, 1.0), lammps(math.nan, 1.0), quoted])
-    assert found.peer == quoted
-    assert found.passed
-
-
 def test_a_missed_bound_is_what_show_returns_and_the_files_hold(tmp_path):
     ours = row("implicit 4", 1e-3, 1.0)
     assert frontier.show(tmp_path, [ours, lammps(1e-2, 20.0)])
@@ -119,34 +111,6 @@ def test_with_as_many_particles_we_have_to_be_more_accurate_and_faster():
     assert [passed(9e-5, 80.0), passed(1.1e-4, 80.0), passed(9e-5, 100.0)] == [True, False, False]
 
 
-def test_only_runs_of_the_rival_way_with_as_many_particles_are_compared():
-    rows = [
-        vortex("implicit 4, high", 1e-6, 1.0),
-        vortex("implicit 4, balanced", 1e-4, 2.0),
-        vortex("implicit 4, balanced", math.nan, 1.0, across=25),
-        vortex("PySPH EDAC", 2e-2, 90.0, code="PySPH"),
-        vortex("PySPH EDAC", 3e-2, 20.0, across=25, code="PySPH"),
-        row("explicit", 1e-3, 1.0),
-        lammps(1e-2, 3.0),
-    ]
-    (found,) = equal_resolution(rows)
-    assert (found.peer, found.ours) == (rows[3], rows[1])
-    assert "| 200 | 45 | error >= 200, time > 1 | PASS |" in " ".join(equal_resolution_table([found]).split())
-
-
-def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
-    asked = []
-    monkeypatch.setattr(
-        frontier, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
-    )
-    for group in GROUPS:
-        assert CliRunner().invoke(app, ["bench", "frontier", "--flow", group]).exit_code == 0
-    assert CliRunner().invoke(app, ["bench"]).exit_code == 0
-    others = [(f"frontier_{group}", group) for group in GROUPS if group != "channel"]
-    assert asked == [("frontier", "channel"), *others, ("frontier", "channel")]
-    assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
-
-
 def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):
     result = CliRunner().invoke(app, ["bench", "frontier", "--peers", str(tmp_path)])
     assert result.exit_code == 2
@@ -167,14 +131,6 @@ def test_each_flow_has_the_error_that_its_title_names():
     assert error("oldroyd_b_couette", l2=1e-5, shear_stress_l2=3e-5, normal_stress_l2=2e-5) == 3e-5
     assert math.isnan(error("oldroyd_b_couette", l2=1e-5, shear_stress_l2=3e-5, normal_stress_l2=None))
     assert error("oldroyd_b_cylinders", l2=1e-3, torque_inner=1.01, torque_inner_exact=1.0) == pytest.approx(0.01)
-
-
-@pytest.mark.parametrize("name", ["throughput", "features", "startup", "scaling"])
-def test_a_benchmark_that_has_moved_says_where_its_script_is(name):
-    result = CliRunner().invoke(app, ["bench", name, "--configs", "configs"])
-    assert result.exit_code == 2
-    script = re.search(r"python (benchmarks/\w+\.py)", result.stderr)
-    assert (Path(tisph.__file__).parents[1] / script[1]).is_file()
 
 
 QUICK_RUNS = [run for group in GROUPS for run in peer_runs(group, quick=True)]
@@ -250,3 +206,24 @@ def test_quoted_peers_of_the_vortex_are_shown_and_not_judged(tmp_path, capsys):
     assert compared.split("|")[-2].strip() == "-"
     numbers = json.loads((tmp_path / "frontier.json").read_text())
     assert all(point["elsewhere"] and point["steps"] is None for point in numbers["points"] if point["code"] != "tisph")
+
+
+def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        frontier, "run", lambda folder, **options: asked.append((folder.name, options["group"])) or True
+    )
+    for group in GROUPS:
+        assert CliRunner().invoke(app, ["bench", "frontier", "--flow", group]).exit_code == 0
+    assert CliRunner().invoke(app, ["bench"]).exit_code == 0
+    others = [(f"frontier_{group}", group) for group in GROUPS if group != "channel"]
+    assert asked == [("frontier", "channel"), *others, ("frontier", "channel")]
+    assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
+
+
+@pytest.mark.parametrize("name", ["throughput", "features", "startup", "scaling"])
+def test_a_benchmark_that_has_moved_says_where_its_script_is(name):
+    result = CliRunner().invoke(app, ["bench", name, "--configs", "configs"])
+    assert result.exit_code == 2
+    script = re.search(r"python (benchmarks/\w+\.py)", result.stderr)
+    assert (Path(tisph.__file__).parents[1] / script[1]).is_file()

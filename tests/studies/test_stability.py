@@ -8,7 +8,6 @@ from types import SimpleNamespace
 
 import pytest
 from fake_runs import FakeRuns, make_result, sleeper
-from PIL import Image
 
 from tisph import scenes
 from tisph.config import load
@@ -69,13 +68,6 @@ def test_a_name_of_no_flow_is_refused():
         flow_of("circles3")
 
 
-def test_the_matrix_is_large_and_always_the_same():
-    cells = matrix.cells(FULL)
-    assert len(cells) >= 300
-    matrix._parts.cache_clear()
-    assert matrix.cells(matrix.sub_matrices()) == cells
-
-
 def test_sub_matrices_can_be_chosen_by_title():
     chosen = matrix.sub_matrices(only="periodic")
     assert len(chosen) == 4
@@ -115,17 +107,6 @@ def test_longer_steps_are_fewer_steps(loaded, scheme):
     usual, longer = (estimates(loaded(replace(cell, step=step)))["steps"] for step in (1.0, 2.0))
     # runs of more than a thousand steps are predicted to 6 %: 2778 here, where the run takes 2630
     assert usual / longer == pytest.approx(2.0, rel=0.06)
-
-
-def test_what_has_to_be_refused_is_refused(loaded):
-    refused = [cell for cell in matrix.cells(FULL) if cell.requirement == REFUSED]
-    assert refused
-    for cell in refused:
-        why = (
-            "leave 2 spacings|it needs at least" if cell.kind == "curved_walls" else "must be 4 in two-dimensional flow"
-        )
-        with pytest.raises(Exception, match=why):
-            loaded(cell)
 
 
 def test_every_pair_of_values_that_can_meet_does():
@@ -183,22 +164,6 @@ def runs(monkeypatch):
 
 def written(folder):
     return json.loads((folder / "stress.json").read_text())
-
-
-def test_lines_maps_numbers_and_picture(runs, tmp_path, capsys):
-    assert stability.run(tmp_path / "out", 2, PARTS) is True
-    output = capsys.readouterr().out
-    for name in ("couette-re1-j0.3-n25-exp ", "couette-re50-j0.3-n8-exp ", "taylor_green-re50-j0-n25-imp2 "):
-        assert output.count(f"| {name}") == 1
-    assert "7 cells: 6 stable, 0 inaccurate, 0 stopped, 1 refused, 0 silent failure; 0 requirements missed" in output
-    numbers = written(tmp_path / "out")
-    assert numbers["complete"] is True
-    assert [cell["verdict"] for cell in numbers["cells"]].count("stable") == RUNS
-    assert numbers["limits"]["ranges"]
-    assert (tmp_path / "out" / "stress.md").read_text().count("1e-3*") == 4
-    with Image.open(tmp_path / "out" / "stress.png") as picture:
-        assert picture.size[0] > 1000
-    assert runs.most_at_once == 2
 
 
 def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
@@ -294,25 +259,6 @@ def row(verdict="stable", **values):
     cell = Cell(**values)
     numbers = {"error": 1e-3, "transverse_velocity": 1e-4, "density_variation": 1e-3}
     return cell, Judgement(Plan(cell, {}, 1.0), verdict, "", True, **numbers)
-
-
-def test_limits_are_where_the_first_run_fails():
-    found = stability.limits(
-        dict(
-            [
-                *(row(step=step) for step in (1.0, 1.5)),
-                row("inaccurate", step=2.0),
-                row("stable", step=3.0),
-                row(jitter=0.3, reynolds=500.0),
-                row("stopped", jitter=0.3, reynolds=1000.0),
-                row("inaccurate", jitter=0.3, reynolds=10000.0),
-            ]
-        )
-    )
-    ranges = {each.pop("what"): each for each in found["ranges"]}
-    assert ranges["steps over the default, explicit, c = 10, jitter 0"] == {"fine": 1.5, "not": 2.0}
-    assert ranges["cell Reynolds number, explicit, disordered"] == {"fine": 20.0, "not": 40.0}
-    assert ranges["cell Reynolds number, explicit, lattice"] == {"fine": 2.0, "not": None}
 
 
 @pytest.mark.parametrize("quick", [False, True])

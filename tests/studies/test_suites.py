@@ -66,13 +66,6 @@ def test_every_run_is_a_valid_config(suite, tmp_path):
         assert load(path).time.samples == tuple(config["time"]["samples"])
 
 
-@pytest.mark.parametrize("quick", [True, False])
-def test_runs_of_all_suites_have_names_of_their_own(quick):
-    names = [name for name in suites.PARTS if not (quick and name in suites.NOT_QUICK)]
-    parts = [suites.ours(name, quick) for name in names]
-    assert len(suites.whole(quick).runs) == sum(len(part.runs) for part in parts)
-
-
 @pytest.mark.parametrize("name", ["bodies", "free_bodies"])
 def test_numbers_of_bodies_are_those_of_their_runs(name):
     """Constants in expressions and measures repeat the config: area, drive, load, viscosity."""

@@ -1,7 +1,6 @@
 """The comparison of wall treatments: its runs, rows, recommendation and text. Nothing is simulated."""
 
 import itertools
-import json
 import math
 
 import numpy as np
@@ -10,10 +9,8 @@ from fake_runs import FakeRuns, make_result
 from PIL import Image
 
 from tisph import registry
-from tisph.config import load
 from tisph.studies import processes, store, walls
 from tisph.studies.processes import Result
-from tisph.studies.store import config_text
 
 TREATMENTS = ["comoving_image", "consistent_image"]
 SMALL = {"resolutions": [25, 50], "measured_at": 50, "arrangements": ["lattice", "jitter 0.2"]}
@@ -60,22 +57,6 @@ def unseen(monkeypatch):
     monkeypatch.setattr(walls, "plot_walls", lambda path, rows, laplacians: None)
 
 
-def test_the_table_the_picture_and_the_numbers(runs, tmp_path, capsys):
-    assert walls.run(tmp_path / "out") is True
-    output = capsys.readouterr().out
-    lines = [line for line in output.splitlines() if line.startswith(("| Couette", "| Poiseuille"))]
-    assert len(lines) == 2 * 2 * 2
-    assert output.count("recommended: consistent_image") == 1
-    numbers = json.loads((tmp_path / "out" / "walls.json").read_text())
-    assert numbers["recommended"] == "consistent_image"
-    assert numbers["rows"][2]["cost"] == pytest.approx(1.2, rel=1e-12)
-    assert numbers["rows"][0]["order"] == pytest.approx(2.0, rel=1e-12)
-    assert numbers["laplacians"][0]["orders"] == [pytest.approx(-2.0, rel=1e-12), None]
-    assert "1.0e-01, 4.0e-01" in output
-    with Image.open(tmp_path / "out" / "verify_walls.png") as picture:
-        assert picture.size[0] > 1000
-
-
 @pytest.mark.usefixtures("unseen")
 def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):
     stop = RUNS_OF_A_FLOW - 3
@@ -101,19 +82,6 @@ def test_an_interrupted_comparison_goes_on_where_it_was(runs, tmp_path, monkeypa
     assert len(runs.configs) - begun == 2 * RUNS_OF_A_FLOW - done
 
 
-@pytest.mark.usefixtures("unseen")
-def test_other_code_or_another_config_is_run_again(runs, tmp_path, monkeypatch):
-    walls.run(tmp_path)
-    first = len(runs.configs)
-    monkeypatch.setattr(store, "fingerprint", lambda: "other")
-    walls.run(tmp_path)
-    assert len(runs.configs) == 2 * first
-    kept = store.Store(tmp_path / "runs")
-    config = {key: value for key, value in runs.configs[0].items() if key != "name"}
-    assert kept.kept(runs.configs[0]["name"], config)
-    assert kept.kept(runs.configs[0]["name"], {**config, "drive": {"acceleration": 1.0}}) is None
-
-
 def test_a_run_that_diverged_is_kept_and_one_that_failed_is_not(runs, tmp_path):
     keeper = store.Store(tmp_path / "runs")
     for status, kept in (("diverged", True), ("done", True), ("failed", False), ("interrupted", False)):
@@ -127,9 +95,6 @@ def test_without_any_treatment_that_finishes_the_comparison_fails(runs, tmp_path
     assert walls.run(tmp_path) is False
     assert "recommended: none" in capsys.readouterr().out
     assert (tmp_path / "verify_walls.png").is_file()
-
-
-FULL = walls.DATA["full"]
 
 
 def make_row(treatment, error, cost=1.0, flow="poiseuille", arrangement="lattice", stopped=()):
@@ -147,22 +112,6 @@ def make_row(treatment, error, cost=1.0, flow="poiseuille", arrangement="lattice
 
 def best(*rows):
     return walls.recommended(walls.standings(rows, 50))
-
-
-@pytest.mark.parametrize("flow", walls.FLOWS)
-def test_every_run_is_a_valid_config_of_that_treatment_on_one_thread(flow, tmp_path):
-    path = tmp_path / "run.yaml"
-    for case in walls.cases(flow, registry.names("walls"), FULL):
-        _, treatment, arrangement = case
-        for number in FULL["resolutions"][::3]:
-            config = walls.config_of(case, number)
-            path.write_text(config_text(walls.name_of(case, number), config), encoding="utf-8")
-            loaded = load(path)
-            assert loaded.walls.treatment.type == treatment
-            assert loaded.runtime.threads == 1
-            assert loaded.initial.jitter == walls.ARRANGEMENTS[arrangement]
-            assert loaded.time.samples[-1] == loaded.time.end
-            assert round(loaded.geometry.length * number) == 10
 
 
 def run_result(error, seconds=2.0, steps=1000, status="done"):

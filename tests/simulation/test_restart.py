@@ -52,7 +52,10 @@ SCENES = {
     "several modes": [MODES, NO_VIDEO, "output.vtk=true"],
     "oscillating": ["scheme={type: wcsph}", "walls.treatment.type=adami", OSCILLATION, NO_VIDEO],
     "scheduled wall": ["scheme={type: implicit}", "time.tolerance=1e-5", SCHEDULE, NO_VIDEO],
-    "a plate with a mass": [OLDROYD_B, "walls.top={shear_stress: 0.01, mass_per_area: 0.3}", NO_VIDEO],
+    "a plate with a mass": [
+        *(OLDROYD_B, NO_VIDEO),
+        "walls={bottom: {slip_length: 0.1}, top: {shear_stress: 0.01, mass_per_area: 0.3}}",
+    ],
     "free bodies in contact": TOUCHING,
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
 }

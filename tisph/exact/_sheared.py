@@ -121,6 +121,10 @@ class ShiftedWall:
     def mass_per_area(self) -> float:
         return self.wall.mass_per_area
 
+    @property
+    def friction(self) -> float:
+        return self.wall.friction
+
     def acceleration(self, t: Any) -> np.ndarray:
         return self.wall.acceleration(self.begin + t)
 
@@ -139,10 +143,10 @@ class Equations:
 
     Walls that are ``stress_controlled`` (``geometry/motion.py``) have ``stress(t)`` and ``mass_per_area`` per unit
     density instead: the mass of the wall is added to the mass of its node, which obeys the weak form of the momentum
-    equation like all others.
+    equation like all others. If its ``friction`` is not 0, the stress - friction u acts on the node, too (slip).
 
     ``layer``: an ``AnalyticLayer``. ``speed``: least velocity to which the tolerance is relative. ``mass`` (nodes,):
-    mass of each node, with its wall if that is stress-controlled.
+    mass of each node, with its wall if that is stress-controlled. ``friction`` (nodes,): rate of v/v by slip.
     """
 
     def __init__(
@@ -157,10 +161,12 @@ class Equations:
         self.elements, self.fluid, self.layer = elements, fluid, layer
         self.walls = dict(zip((0, elements.size - 1), walls, strict=True))
         self.drive, self.speed = drive, speed
-        self.mass = elements.mass.copy()
+        self.mass, self.friction = elements.mass.copy(), np.zeros(elements.size)
+        self.area = elements.radius(elements.node_positions) ** elements.power
         for place, wall in self.walls.items():
             if wall.stress_controlled:
                 self.mass[place] += wall.mass_per_area
+                self.friction[place] = self.area[place] * wall.friction / self.mass[place]
         self.free = np.ones(elements.size, dtype=bool)
         self.free[[place for place, wall in self.walls.items() if not wall.stress_controlled]] = False
         self.share = self.free * elements.mass / self.mass
@@ -192,7 +198,7 @@ class Equations:
         rates = (self.drive(times)[:, None] + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
             if wall.stress_controlled:
-                rates[:, place] += wall.stress(times) / self.mass[place]
+                rates[:, place] += self.area[place] * wall.stress(times) / self.mass[place]
             else:
                 rates[:, place] += wall.acceleration(times)
         return self.layer.shear_rates(times), rates
@@ -208,6 +214,7 @@ class Equations:
         # the inertia of ``layer`` balances its flux through the solvent, except for the drift
         flux = self.stress(conformation_excess, whole) - self.fluid.layer_flux(layer)
         result[:, : self.elements.size] = own + self.elements.weak_divergence(flux) * self.share
+        result[:, : self.elements.size] -= self.friction * states[:, : self.elements.size]
         for law, c, part in zip(self.fluid.laws, conformation_excess, self.parts, strict=True):
             change = np.stack([np.broadcast_to(one, whole.shape) for one in law.rate_in_shear(tuple(c), whole)], axis=1)
             result[:, part] = change.reshape(len(states), -1)
@@ -328,5 +335,5 @@ class Jacobian:
         whole, one = inner.strides
         strides = (whole, order * (3 * order + 1) * one, one, 3 * order * one)
         np.lib.stride_tricks.as_strided(inner, matrices.shape, strides)[:] = matrices
-        band[:, :, 2 * order] += shifts[:, None] * self.equations.mass
+        band[:, :, 2 * order] += (shifts[:, None] + self.equations.friction) * self.equations.mass
         return band

@@ -6,9 +6,10 @@ Equations for 0 < y < gap, with g = -(dp/dx)/density, all stresses per unit dens
 
 for each law (mode) of a polymer, C the excess of its conformation tensor over rest (``tisph/rheology``), and flux =
 solvent_viscosity * du/dy, or viscosity((du/dy)^2) * du/dy in a generalised Newtonian fluid. The walls move with given
-velocities, or are stress-controlled (``geometry/motion.py``), with mass_per_area * dU/dt = stress - shear
-stress of the fluid; the flow starts from rest at t = 0, or, with ``before``, from the developed flow of other walls.
-At a later jump of a wall velocity or stress a new solution begins, in the square root of the time since the jump.
+velocities, or are stress-controlled (``geometry/motion.py``), with mass_per_area * dU/dt = stress - shear stress of the
+fluid; or the fluid slips along them (``SlippingWall``); the flow starts from rest at t = 0, or, with ``before``, from
+the developed flow of other walls. At a later jump of a wall velocity or stress a new solution begins, in the square
+root of the time since the jump.
 
 Along an axis, y = r - R1, and around it, with rate = r d(u/r)/dr, the pressure p per unit density and the angle theta:
 
@@ -81,11 +82,39 @@ class Wall(Steady):
 
 
 @dataclass(frozen=True)
+class SlippingWall:
+    """A wall with the given ``motion`` U along which the fluid slips: its stress on the fluid is friction * (U - u).
+
+    u is the velocity of the fluid at the wall, and ``friction`` the kinematic viscosity over the slip length, 0 for an
+    infinite one. The node of this fluid thus has the stress friction * U and the ``friction`` of u.
+    """
+
+    stress_controlled: ClassVar[bool] = True
+    mass_per_area: ClassVar[float] = 0.0
+
+    motion: Any
+    friction: float
+
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute of the motion, such as ``oscillates`` or ``jump_times``."""
+        return getattr(self.motion, name)
+
+    def after(self, time: float) -> "SlippingWall":
+        """Return the wall with its motion from ``time`` on."""
+        return replace(self, motion=self.motion.after(time))
+
+    def stress(self, t: Any) -> np.ndarray:
+        """Return friction * U at time(s) ``t``."""
+        return self.friction * self.motion.velocity(t)
+
+
+@dataclass(frozen=True)
 class Axis(Steady):
     """The axis r = 0 in place of an inner wall; it behaves as a stress-controlled wall without mass and stress."""
 
     stress_controlled: ClassVar[bool] = True
     mass_per_area: ClassVar[float] = 0.0
+    friction: ClassVar[float] = 0.0
 
     def stress(self, t: Any) -> np.ndarray:
         """Return 0 in the shape of ``t``."""
@@ -96,10 +125,10 @@ class Axis(Steady):
 class Flow:
     """Walls y = 0 and y = ``gap``, and the acceleration g along planes or along the axis.
 
-    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density. They jump
-    at the times ``jump_times``; ``after(time)`` is their motion from that time on. ``inner_radius``: radius of the
-    cylinder y = 0; None between planes; 0 if y = 0 is the axis, and ``bottom`` has no effect. Cylinders have angular
-    velocities, or, in flow ``along`` the axis, velocities.
+    Walls have ``velocity(t)`` and ``acceleration(t)``, or are a ``StressControlledWall`` per unit density, or a
+    ``SlippingWall``. They jump at the times ``jump_times``; ``after(time)`` is their motion from that time on.
+    ``inner_radius``: radius of the cylinder y = 0; None between planes; 0 if y = 0 is the axis, and ``bottom`` has no
+    effect. Cylinders have angular velocities, or, in flow ``along`` the axis, velocities.
 
     g = ``acceleration`` + cosine cos(w t) + sine sin(w t), w = angular_frequency > 0, all attributes of ``pulsation``.
     """
@@ -161,13 +190,13 @@ def periodic(equations: Equations, frequency: float, amplitude: complex, node: i
     """Return the complex amplitude x (nodes,) of the flow Re[x e^(iwt)] under the acceleration Re[amplitude e^(iwt)].
 
     With a ``node``, the wall at that node has the velocity Re[amplitude e^(iwt)] instead. The equation is (iw - J) x =
-    the acceleration, or i w amplitude at that wall.
+    the acceleration, or i w amplitude at that wall, or friction * amplitude if the fluid slips along it.
     """
     forcing, x = np.zeros((2, 1, equations.size), dtype=complex)
     if node is None:
         forcing[0] = amplitude * equations.share
     else:
-        forcing[0, node] = 1j * frequency * amplitude
+        forcing[0, node] = amplitude * (equations.friction[node] if equations.free[node] else 1j * frequency)
     # not at t = 0, when the layer of a jump is infinitely thin
     jacobian = equations.jacobian(x[0].real, 1 / frequency)
     assert jacobian is not None
@@ -219,13 +248,14 @@ class StartUp:
         edges = _edges(fluid, (flow, before or flow), finest) if edges is None else edges
         self.elements = Elements(flow.gap * edges, order, flow.inner_radius, flow.along)
         walls, self._ends = flow.walls, [0, self.elements.size - 1]
-        jumps, start = [0.0 if wall.stress_controlled else float(wall.velocity(0.0)) for wall in walls], None
+        given = [not wall.stress_controlled for wall in walls]
+        jumps = [float(wall.velocity(0.0)) if own else 0.0 for wall, own in zip(walls, given, strict=True)]
+        start = None
         if before is not None:
             if (before.gap, before.inner_radius, before.along) != (flow.gap, flow.inner_radius, flow.along):
                 raise ValueError(f"the flow before has a gap of {before.gap}, the flow one of {flow.gap}")
             start = _developed(fluid, before, order, edges)
-            jumps = [new - old for new, old in zip(jumps, start[self._ends], strict=True)]
-            jumps[0] *= flow.inner_radius != 0.0
+            jumps = [(new - old) * own for new, old, own in zip(jumps, start[self._ends], given, strict=True)]
         driven = flow.largest_drive(flow.gap**2 / fluid.total_viscosity)
         self.begins = sorted({0.0, *(time for wall in walls for time in wall.jump_times)})
         self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
@@ -255,7 +285,7 @@ class StartUp:
     def _equations(self, begin: float) -> Equations:
         """Return the equations from the time ``begin`` on."""
         walls = [
-            Wall() if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
+            _at_speed(wall, 0.0) if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
             for wall in self.flow.walls
         ]
         flow = replace(self.flow, pulsation=None) if _newtonian(self.fluid) else self.flow
@@ -281,7 +311,8 @@ class StartUp:
 
     def _has_periodic_part(self, wall: Any) -> bool:
         """Return whether the periodic flow of an oscillating ``wall`` is added to the solution, which is linear."""
-        return _newtonian(self.fluid) and not wall.stress_controlled and wall.angular_frequency != 0.0
+        given = not wall.stress_controlled or isinstance(wall, SlippingWall)
+        return _newtonian(self.fluid) and given and wall.angular_frequency != 0.0
 
     def _periodic_parts(self) -> Iterator[tuple[float, np.ndarray]]:
         """Yield angular frequency and complex amplitude (size,) of the periodic flows of oscillating walls and of g.
@@ -349,6 +380,14 @@ class StartUp:
         return sum((np.stack(stress[:3]) for stress in whole), np.zeros((3, len(y))))
 
     def _whole_stress(self, y: np.ndarray, time: float) -> np.ndarray:
+        stress = self._inner_stress(y, time)
+        for place, sign, wall in zip((0.0, self.flow.gap), (-1.0, 1.0), self.flow.walls, strict=True):
+            if time == 0.0 and isinstance(wall, SlippingWall):  # the wall moves, and the fluid is not sheared yet
+                pull = self.elements.lever(y) * wall.stress(0.0) - wall.friction * self._velocity(y, 0.0)
+                stress = np.where(y == place, sign * pull, stress)
+        return stress
+
+    def _inner_stress(self, y: np.ndarray, time: float) -> np.ndarray:
         if self.fluid.subtracts_layer:
             return self.fluid.flux(self._shear_rate(y, time)) + self._stress(y, time)[1]
         # the stress is smoother than the shear rate where the viscosity changes much, as in a plug
@@ -374,18 +413,24 @@ def _newtonian(fluid: Fluid) -> bool:
     return fluid.subtracts_layer and not fluid.laws
 
 
+def _at_speed(wall: Any, speed: float) -> Any:
+    """Return a wall of constant ``speed``, along which the fluid slips as along ``wall``."""
+    return replace(wall, motion=Wall(speed)) if isinstance(wall, SlippingWall) else Wall(speed)
+
+
 def _developed(fluid: Fluid, flow: Flow, order: int, edges: np.ndarray) -> np.ndarray:
     """Return the state (size,) at t = 0 of a developed ``flow``: steady, plus the periodic flow of oscillating walls.
 
     ValueError for walls that oscillate in a fluid that is not Newtonian.
     """
     walls = flow.bottom, flow.top
-    constant = [Wall() if wall.oscillates else Wall(float(wall.velocity(0.0))) for wall in walls]
+    slips = any(isinstance(wall, SlippingWall) for wall in walls)
+    constant = [_at_speed(wall, 0.0 if wall.oscillates else float(wall.velocity(0.0))) for wall in walls]
     still = replace(flow, bottom=constant[0], top=constant[1], pulsation=None)
     steady = StartUp(fluid, still, order=order, edges=edges)
-    state = steady_newtonian(steady) if _newtonian(fluid) else steady._steady()
+    state = steady_newtonian(steady) if _newtonian(fluid) and not slips else steady._steady()
     for node, wall in zip(steady._ends, still.walls, strict=True):
-        if not isinstance(wall, Axis):
+        if not wall.stress_controlled:
             state[node] = wall.speed
     if not (flow.pulsation or any(wall.oscillates for wall in flow.walls)):
         return state

@@ -327,6 +327,7 @@ class StressControlledWall(Oscillation):
     """
 
     stress_controlled: ClassVar[bool] = True
+    friction: ClassVar[float] = 0.0
     before: ClassVar[None] = None
 
     mass_per_area: float = 0.0

@@ -9,10 +9,12 @@ particles, so that points on a wall have as narrow a fit as others.
 
 Shear stress at a wall: with d the distance from the wall, u - u_wall = a d + b d^2 + c d^3 + e d^4 is fitted by
 weighted least squares to the particles within R = 5 spacings, weight (1 - d/R)^2 (1 + 2 d/R); u_wall is the velocity of
-the wall at that time. The solvent stress is +-mu_s a. The polymer stress is S_xy at d = 0 in a parabola fitted in
-the same way to the same particles. Nothing is assumed of the curvature at the wall, which depends on a body
-acceleration, an accelerating wall and a polymer. For exact fields the errors fall with the fourth (a) and third (S_xy)
-power of the spacing.
+the wall at that time. Where the fluid slips, u_wall is the velocity of the fluid at d = 0, with a coefficient of its
+own; if the slip length is at least a spacing, the total stress is viscosity * (u_wall - velocity of the wall) over the
+slip length, which needs no derivative and is right directly after a jump of the velocity. Else the solvent stress is
++-mu_s a. The polymer stress is S_xy at d = 0 in a parabola fitted in the same way to the same particles. Nothing is
+assumed of the curvature at the wall, which depends on a body acceleration, an accelerating wall and a polymer. For
+exact fields the errors fall with the fourth (a) and third (S_xy) power of the spacing.
 
 The quartic term is for thin layers: without it the error is of third order where u_yyyy differs from 0 at the wall,
 and 0.7 % next to an oscillating wall with five spacings in its penetration depth; with it, less than 0.1 %. For S_xy
@@ -96,14 +98,18 @@ def wall_shear(channel: Any, snapshot: Snapshot) -> tuple[float, float]:
     It is the total stress, density * solvent viscosity * du/dy + S_xy.
     """
     found = []
-    for side, wall in enumerate((channel.bottom, channel.top)):
+    for side, (wall, slip_length) in enumerate(zip((channel.bottom, channel.top), channel.slip_lengths, strict=True)):
         near, powers = _powers(channel, side, snapshot)
-        u, weight = snapshot.u[near], powers[:, 0]
-        if wall.stress_controlled:  # it has the velocity of the particles
+        u, weight, sign = snapshot.u[near], powers[:, 0], -1.0 if side else 1.0
+        if slip_length >= channel.spacing:
+            slip = _fitted(powers, weight * u)[0] - wall.velocity(snapshot.t)
+            found.append(sign * channel.dynamic_viscosity * slip / slip_length)
+            continue
+        if wall.stress_controlled or slip_length:  # the wall, or the fluid at it, has the velocity of the particles
             rate = _fitted(powers, weight * u)[1]
         else:
             rate = _fitted(powers[:, 1:], weight * (u - wall.velocity(snapshot.t)))[0]
-        stress = channel.viscous_stress((-rate if side else rate) / (WALL_RADIUS * channel.spacing))
+        stress = channel.viscous_stress(sign * rate / (WALL_RADIUS * channel.spacing))
         if channel.polymer is not None:
             stress += _fitted(powers[:, :3], weight * snapshot.stress_xy[near])[0]  # type: ignore[index]
         found.append(stress)
@@ -126,7 +132,7 @@ def wall_shear_error(sample: Mapping[str, Any]) -> float | None:
 
 
 def wall_velocity(channel: Any, side: int, snapshot: Snapshot) -> float:
-    """Return the velocity of the bottom (``side`` 0) or top wall (1) by the particles, where it is not given."""
+    """Return the velocity of the fluid at the bottom (``side`` 0) or top wall (1), by the particles."""
     near, powers = _powers(channel, side, snapshot)
     return _fitted(powers, powers[:, 0] * snapshot.u[near])[0]
 

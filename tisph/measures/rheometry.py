@@ -281,6 +281,8 @@ def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: An
         fluid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)
         return _by_velocity(config, plane, fluid, wall, table)
+    if any(channel.slip_lengths):
+        raise ConfigError("its fluid slips along a wall (slip_length): it has another shear rate than the walls say")
     if channel.extra_series is None or "strain" not in table:
         raise ConfigError("its history has no wall stress: it is of a Newtonian fluid, or has not ended")
     fluid = spectrum(config.fluid.rheology, channel)

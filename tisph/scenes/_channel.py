@@ -21,7 +21,7 @@ import numpy as np
 
 from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.exact.start_up import Flow, StartUp, Wall
+from tisph.exact.start_up import Flow, SlippingWall, StartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
 from tisph.measures.channel import Probes, integral, interpolate, wall_shear, wall_velocity
@@ -67,7 +67,8 @@ class Channel(Scene):
 
     ``acceleration`` acts on the fluid along x; ``polymer`` is None without one. ``initial_state`` is ``rest`` (the
     fluid starts from rest at t = 0), ``developed`` (the flow has developed before t = 0, under the walls' velocities
-    before) or ``exact`` (the flow that started at t = 0, from ``start_time`` on).
+    before) or ``exact`` (the flow that started at t = 0, from ``start_time`` on). ``slip_lengths`` [length] of the
+    (bottom, top) wall: the fluid at a wall is faster than the wall by slip length * shear stress / dynamic viscosity.
     """
 
     gap: float
@@ -76,6 +77,7 @@ class Channel(Scene):
     top: WallMotion | StressControlledWall | Schedule
     acceleration: float = 0.0
     polymer: PolymerParameters | None = None
+    slip_lengths: tuple[float, float] = (0.0, 0.0)
     initial_state: str
     start_time: float
 
@@ -87,6 +89,8 @@ class Channel(Scene):
     @classmethod
     def from_config(cls, config: Any) -> "Channel":
         """Return the scene that a validated config describes."""
+        lengths = [getattr(config.walls, side).slip_length or 0.0 for side in SIDES]
+        bottom, top = (math.inf if length == "infinite" else length for length in lengths)
         return cls(
             **cls.fluid_of(config),
             gap=config.geometry.gap,
@@ -95,6 +99,7 @@ class Channel(Scene):
             top=wall_of(config.walls.top),
             acceleration=config.drive.acceleration,
             polymer=PolymerParameters.of(config.fluid.polymer),
+            slip_lengths=(bottom, top),
             initial_state=config.initial.state,
             start_time=config.start_time,
             columns=config.columns,
@@ -124,6 +129,20 @@ class Channel(Scene):
     def driven_side(self) -> int | None:
         """The stress-controlled wall: 0 the bottom, 1 the top one; None where the velocities of both are given."""
         return next((side for side, wall in enumerate(self._pair) if wall.stress_controlled), None)
+
+    @property
+    def seeks_wall_velocity(self) -> bool:
+        """Whether the velocity of the fluid at a wall is unknown: the wall is stress-controlled, or the fluid slips."""
+        return self.driven_side is not None or any(self.slip_lengths)
+
+    @property
+    def reference_walls(self) -> tuple[Any, ...]:
+        """The (bottom, top) wall of the exact solution, per unit density."""
+        walls = (wall.over(self.density) if wall.stress_controlled else wall for wall in self._pair)
+        return tuple(self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
+
+    def _slipping(self, wall: Any, slip_length: float) -> Any:
+        return SlippingWall(wall, self.kinematic_viscosity / slip_length) if slip_length else wall
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -159,13 +178,23 @@ class Channel(Scene):
 
     @property
     def velocity_scale(self) -> float:
-        """The larger of ``wall_speed`` and the mean speed |acceleration| gap^2 / (12 nu) of the driven flow."""
-        return max(self.wall_speed, abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity))
+        """The larger of ``wall_speed`` and the mean speed |acceleration| gap^2 / (12 nu) of the driven flow.
+
+        Slip makes it faster by the factor 12/(1/(1/2 + b_0/gap) + 1/(1/2 + b_1/gap)) - 2 of the slip lengths b.
+        """
+        mean = abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity)
+        return max(self.wall_speed, mean * self._slip_factor)
+
+    @property
+    def _slip_factor(self) -> float:
+        halves = (0.5 + slip_length / self.gap for slip_length in self.slip_lengths)
+        return 12.0 / sum(1.0 / half for half in halves) - 2.0
 
     @property
     def peak_velocity(self) -> float:
         """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu), or a given velocity."""
-        developed = self.wall_speed + abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+        driven = abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
+        developed = self.wall_speed + driven * self._slip_factor
         return max(developed, self.given_velocity or 0.0)
 
     @property
@@ -235,7 +264,7 @@ class Channel(Scene):
         linear = self.rheology is None or (
             self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in self._pair)
         )
-        return linear and not any(wall.stress_controlled for wall in self._pair)
+        return linear and not self.seeks_wall_velocity
 
     def in_flow_frame(self) -> "Channel":
         """Return the same flow in a frame that moves with ``frame_velocity``."""
@@ -294,14 +323,14 @@ class Channel(Scene):
     @property
     def _flow(self) -> StartUp:
         """The exact flow from rest, or from the flow that had developed before t = 0."""
-        bottom, top = (wall.over(self.density) if wall.stress_controlled else wall for wall in self._pair)
-        flow, before = Flow(self.gap, bottom, top, self.acceleration), None
+        flow, before = Flow(self.gap, *self.reference_walls, self.acceleration), None
         if self.starts_developed:
-            bottom, top = (
+            walls = (
                 wall if wall.oscillates else Wall(wall.cosine if wall.before is None else wall.before)
                 for wall in self._pair
             )
-            before = Flow(self.gap, bottom, top, self.acceleration)
+            pair = (self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
+            before = Flow(self.gap, *pair, self.acceleration)
         return _solved(self.rheology, self.kinematic_viscosity, self.density, flow, before)
 
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
@@ -342,14 +371,17 @@ class Channel(Scene):
     def driven_mean_velocity(self) -> float | None:
         """Return the mean velocity that the drive adds to the developed flow; None if the walls change that too.
 
-        They do so if a wall is stress-controlled, or if a non-linear fluid flows between walls of different velocities.
+        They do so if a wall is stress-controlled, or if a non-linear fluid slips or flows between walls of different
+        velocities.
         """
         drive = self.acceleration
         if self.driven_side is not None:
             return None
         if self.rheology is None or self.rheology.type == "oldroyd_b":
-            return drive * self.gap**2 / (12.0 * self.kinematic_viscosity)
-        if any(wall.oscillates for wall in self._pair) or self.bottom.cosine != self.top.cosine:
+            return drive * self.gap**2 / (12.0 * self.kinematic_viscosity) * self._slip_factor
+        if self.seeks_wall_velocity or any(wall.oscillates for wall in self._pair):
+            return None
+        if self.bottom.cosine != self.top.cosine:
             return None
         fluid = fluid_of(self.rheology, self.kinematic_viscosity, self.density)
         return math.copysign(UniformShear(fluid.flux, fluid.laws).mean_velocity(abs(drive), self.gap), drive)
@@ -375,9 +407,10 @@ class Channel(Scene):
         ``normal_stress_l2`` for S = S_xx - S_yy. ``slope`` (1/time), ``intercept`` (velocity): least-squares line u(y)
         through the probes. ``centreline``: u at mid-gap, averaged along the channel. ``wall_shear_bottom``,
         ``wall_shear_top``: total shear stress on the fluid's side of the walls, see ``measures/channel.py``.
-        ``plate_velocity``: velocity of a stress-controlled wall. Each also ``_exact``, the lines being fitted to exact
-        velocities at the same probes. ``density_variation`` = max |density/density_0 - 1|; ``max_transverse_velocity``
-        = max |v|.
+        ``plate_velocity``: velocity of a stress-controlled wall. ``slip_velocity_bottom``, ``slip_velocity_top``:
+        velocity of the fluid at a wall with a slip length, less the velocity of the wall. Each also ``_exact``, the
+        lines being fitted to exact velocities at the same probes. ``density_variation`` = max |density/density_0 - 1|;
+        ``max_transverse_velocity`` = max |v|.
         """
         t = snapshot.t
         found: dict[str, Any] = {}
@@ -407,6 +440,11 @@ class Channel(Scene):
         if self.driven_side is not None:
             found["plate_velocity"] = wall_velocity(self, self.driven_side, snapshot)
             found["plate_velocity_exact"] = self.exact_velocity(self.gap * self.driven_side, t)
+        for side, wall in enumerate(self._pair):
+            if self.slip_lengths[side]:
+                name, motion = f"slip_velocity_{SIDES[side]}", wall.velocity(t)
+                found[name] = wall_velocity(self, side, snapshot) - motion
+                found[f"{name}_exact"] = self.exact_velocity(self.gap * side, t) - motion
         found["density_variation"] = np.max(np.abs(snapshot.density / self.density - 1))
         found["max_transverse_velocity"] = np.max(np.abs(snapshot.v))
         return found

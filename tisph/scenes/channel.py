@@ -60,13 +60,24 @@ class Wall(WallMotion):
 
     Or, between open ends, a wall at rest that is no plane: its ``outline`` is a polyline through places [x, y] from
     x = 0 to x = length, with corners rounded by arcs of ``corner_radius`` [length].
+
+    The fluid at the wall is faster than the wall by ``slip_length`` [length] * shear stress / dynamic viscosity;
+    ``infinite``: no shear stress, as on a flat free surface or a plane of symmetry.
     """
 
     speed_key = "velocity"
     other_keys = (*STRESS_KEYS, "velocities")
     exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS, "velocities")
     shaped_by: ClassVar[str] = "corners"
-    unset_keys = ("velocity_before", "angular_frequency", "phase", "times", "mass_per_area", *OUTLINE_KEYS)
+    unset_keys = (
+        "velocity_before",
+        "angular_frequency",
+        "phase",
+        "times",
+        "mass_per_area",
+        "slip_length",
+        *OUTLINE_KEYS,
+    )
 
     velocity: Signed | None = None
     velocity_before: Signed | None = None
@@ -81,6 +92,7 @@ class Wall(WallMotion):
     mass_per_area: NonNegative | None = None
     outline: Annotated[tuple[Place, ...], Field(strict=False, min_length=2, max_length=1000)] | None = None
     corner_radius: Positive | None = None
+    slip_length: number_or(Positive, "infinite") | None = None
 
     @property
     def stress_controlled(self) -> bool:
@@ -140,8 +152,13 @@ def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
         yield "phase", "is only for a wall that oscillates, not for one with velocities at times"
     if not wall.stress_controlled:
         yield "mass_per_area", "is only for a stress-controlled wall, with keys such as shear_stress"
+        if wall.slip_length == "infinite":
+            text = "does nothing to a fluid that slips without friction (slip_length: infinite): leave it out"
+            keys = ("velocity", "velocity_before", "amplitude", "velocities")
+            yield from ((key, text) for key in keys if getattr(wall, key))
         return
     yield "velocity_before", "is not for a stress-controlled wall: it starts from rest"
+    yield "slip_length", "is not for a stress-controlled wall, whose stress is given"
     if wall.stress_amplitude is None:
         yield "angular_frequency", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
         yield "phase", "is only for a wall that oscillates, which has an amplitude or stress_amplitude"
@@ -326,19 +343,24 @@ def _motion(config: Config) -> Iterator[Problem]:
 
 
 def _driven(config: Config) -> Iterator[Problem]:
-    """Yield errors of stress-controlled walls, and of walls with velocities at times."""
-    sides, scheduled = (
+    """Yield errors of stress-controlled walls, of slip, and of walls with velocities at times."""
+    sides, scheduled, slipping = (
         [side for side in SIDES if getattr(getattr(config.walls, side), key)]
-        for key in ("stress_controlled", "velocities")
+        for key in ("stress_controlled", "velocities", "slip_length")
     )
+    loose = sides + [side for side in slipping if getattr(config.walls, side).slip_length == "infinite"]
     if len(sides) > 1:
         yield "walls.top", "must have a velocity if the bottom wall is stress-controlled: nothing else holds the fluid"
+    elif len(loose) > 1:
+        text = "must be finite: the other wall has no friction, or a given stress, and nothing else holds the fluid"
+        yield f"walls.{loose[-1]}.slip_length", text
     for which, text in ((sides, "a wall is stress-controlled"), (scheduled, "a wall has velocities at times")):
         if which and config.initial.state != "rest":
             yield "initial.state", f"must be rest where {text} (walls.{which[0]})"
-    if sides and config.walls.treatment.type != "consistent_image":
-        text = f"must be consistent_image where a wall is stress-controlled (walls.{sides[0]})"
-        yield "walls.treatment.type", f"{text}: only its images take a stress"
+    for which, text in ((sides, "a wall is stress-controlled"), (slipping, "the fluid slips")):
+        if which and config.walls.treatment.type != "consistent_image":
+            text = f"must be consistent_image where {text} (walls.{which[0]})"
+            yield "walls.treatment.type", f"{text}: only its images take a stress"
 
 
 def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:

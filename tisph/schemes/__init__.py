@@ -20,6 +20,9 @@ EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
 AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
 """Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
 
+SLIPPING = [(side, "slip_length") for side in ("bottom", "top")]
+"""Walls along which the fluid may slip, and the key of the slip length."""
+
 STRESS_CONTROLLED = [(side, "stress_controlled") for side in ("bottom", "top")]
 """Walls that may be stress-controlled, and the property that is then true."""
 
@@ -67,7 +70,12 @@ def _member(config: Any) -> "SchemeMember":
 def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
-    for keys, kind in ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times")):
+    slipping = [side for side, key in SLIPPING if getattr(getattr(walls, side, None), key, None)]
+    if slipping and not config.parallel:
+        text = "must be left out: only in a channel without bodies and open ends the fluid may slip yet"
+        yield f"walls.{slipping[0]}.slip_length", text
+    kinds = ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times"))
+    for keys, kind in (*kinds, (SLIPPING, "wall with a slip_length")):
         found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
         if found and scheme != "implicit":
             yield "scheme.type", f"{scheme} has no {kind} (walls.{found[0]}); take implicit"

@@ -199,7 +199,7 @@ def layer_estimates(
 
 def is_coupled(config: Any, channel: Any) -> bool:
     """Tell whether a stage is solved for the stress, or a wall, as well."""
-    return config.fluid.rheology.type != "newtonian" or channel.driven_side is not None
+    return config.fluid.rheology.type != "newtonian" or channel.seeks_wall_velocity
 
 
 def off_layers(config: Any) -> bool:

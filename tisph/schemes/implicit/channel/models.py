@@ -164,11 +164,11 @@ FluidModel = StressModel | NewtonianModel
 def model_of(rheology: Any, channel: "Channel") -> FluidModel:
     """Return the model of a fluid's extra stress.
 
-    Beside a stress-controlled wall a Newtonian fluid counts as inelastic: the wall needs its shear stress.
+    At a wall of unknown velocity a Newtonian fluid counts as inelastic: the wall needs its shear stress.
     """
     if rheology.carries_stress:
         return ViscoelasticModel(rheology, channel.kinematic_viscosity)
-    if rheology.type == "newtonian" and channel.driven_side is None:
+    if rheology.type == "newtonian" and not channel.seeks_wall_velocity:
         return NewtonianModel()
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 

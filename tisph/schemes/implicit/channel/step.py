@@ -413,10 +413,7 @@ class ExtraStress(NoExtraStress):
             return None
         shear_rate = self.operators.gradient(velocity, -1.0) + boundary
         stress = flow.stress + flow.tangent * (shear_rate - flow.shear_rate)
-        solution: Solution | None = (velocity, shear_rate, stress)
-        for wall in self.walls.stress_controlled:
-            solution = solution and wall.match(self.operators, solution, gamma_dt, flow.tangent, tolerance)
-        return solution
+        return self.walls.match(self.operators, (velocity, shear_rate, stress), gamma_dt, flow.tangent, tolerance)
 
     def converged(self, flow: FlowState, stress: Any, tolerance: float) -> bool:
         """Tell whether the stress of a ``flow`` is the ``stress`` in (8)."""

@@ -35,7 +35,6 @@ from tisph.schemes.implicit.channel.step import (
     ClosedOperators,
     ExtraStress,
     FlowState,
-    Solution,
     explicit_part,
     weighted,
 )
@@ -57,15 +56,17 @@ ROUND_OFF = 1e-13
 
 
 class WallOfGivenStress(CoupledWall):
-    """The common part of stress-controlled walls with and without a mass.
+    """The common part of stress-controlled walls with and without a mass; ``control``: stress, mass and friction.
 
     ``velocity`` and ``displacement`` at the start of the step; ``velocities`` of the wall and ``stresses`` of the fluid
     at it in the stages so far.
     """
 
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel) -> None:
+    prescribed = False
+
+    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel, control: Any) -> None:
+        self.control, self.mass, self.friction = control, control.mass_per_area, control.friction
         super().__init__(channel, side, obeys_momentum, model)
-        self.control = self.schedule.over(channel.density)
 
     def forget(self) -> None:
         """Return to a wall at rest beside a fluid in which C is 0."""
@@ -89,13 +90,6 @@ class WallOfGivenStress(CoupledWall):
     def prepare(self, extra: ExtraStress, start: FlowState) -> None:
         """Adapt the wall to the flow at the ``start`` of a step."""
 
-    def match(self, operators: ClosedOperators, solution: Solution, *system: Any) -> Solution | None:
-        """Return the ``solution`` of a stage in which the wall obeys its own equation of motion; None on failure.
-
-        ``system``: gamma dt, the tangent and the tolerance of the linear systems of the stage.
-        """
-        return solution
-
     @property
     def mean_stress(self) -> float:
         """Mean over the step of the shear stress of the fluid at the wall, per unit density."""
@@ -111,11 +105,6 @@ class InertialWall(WallOfGivenStress):
     """A stress-controlled wall with a mass per area; ``rates``: its acceleration in the stages."""
 
     kept = "slope", "third", "velocity", "displacement"
-
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel) -> None:
-        schedule: Any = (channel.bottom, channel.top)[side]
-        self.mass = schedule.mass_per_area / channel.density
-        super().__init__(channel, side, obeys_momentum, model)
 
     def first_jumps(self) -> tuple[float, float]:
         """Return ``jumps``: at the start the whole stress accelerates the wall."""
@@ -169,7 +158,8 @@ class InertialWall(WallOfGivenStress):
             stress = self.viscosity * shear_rate + self.model.shear_stress(start.state, shear_rate)
             totals.append(self.fitted_stress(stress, rate - self.channel.acceleration))
         more = totals[1] - totals[0]
-        rate = (self.stress + self.normal_sign * totals[0]) / (self.mass - self.normal_sign * more)
+        force = self.stress - self.friction * self.velocity + self.normal_sign * totals[0]
+        rate = force / (self.mass - self.normal_sign * more)
         self.accelerate(self.velocity, rate)
         self.total = totals[0] + rate * more
         self.velocities = []
@@ -180,25 +170,13 @@ class InertialWall(WallOfGivenStress):
         self.begin_stage(stage, time)
         self.set_velocity(self.known + self.gamma_dt * self.rates[-1])
 
-    def match(self, operators: ClosedOperators, solution: Solution, *system: Any) -> Solution | None:
-        """Return the ``solution`` with the wall velocity at which its momentum balances; None on failure."""
-        gamma_dt, tangent, tolerance = system
-        velocity, shear_rate, stress = solution
-        sheared = self.respond(operators, gamma_dt, tangent, tolerance)
-        if sheared is None:
-            return None
-        total = self.fitted_stress(self.viscosity * shear_rate + stress, self.rate - self.channel.acceleration)
-        more = self.fitted_stress((self.viscosity + tangent) * sheared, 1.0 / gamma_dt)
-        residual = self.mass * self.rate - self.stress - self.normal_sign * total
-        change = -residual / (self.mass / gamma_dt - self.normal_sign * more)
-        self.total = total + change * more
-        self.set_velocity(self.stage_velocity + change)
-        return velocity + change * self.response, shear_rate + change * sheared, stress + change * tangent * sheared
-
     def respond(
         self, operators: ClosedOperators, gamma_dt: float, tangent: np.ndarray, tolerance: float
     ) -> np.ndarray | None:
-        """Solve for w, the ``response`` of the fluid to a unit velocity of the wall; return D w, None on failure."""
+        """Solve for w, the ``response`` of the fluid to a unit velocity of the wall; return D w, None on failure.
+
+        ``gamma_dt``, ``tangent``, ``tolerance``: of the linear systems of the stage.
+        """
         nothing = np.zeros_like(self.known_slope)
         found, _ = self.system.derivatives(nothing, nothing, 1.0 / gamma_dt, 0.0)
         series = one_sided(self.side, [2.0, found[2], found[3] / 12.0])
@@ -229,6 +207,30 @@ class InertialWall(WallOfGivenStress):
         """Accept the step: its end is the start of the next."""
         super().conclude()
         self.slope, self.third = self.ends
+
+
+class SlipWall(InertialWall):
+    """The fluid at a wall of given velocity along which it slips: without mass, under the stress friction * (U - u).
+
+    ``velocity`` is the velocity u of this fluid, which a jump of U does not change.
+    """
+
+    first_jumps, later_jumps = PrescribedWall.first_jumps, PrescribedWall.later_jumps
+
+    def start(self) -> None:
+        """Return to the start of the run."""
+        super().start()
+        height = self.channel.gap * self.side
+        self.velocity = float(self.channel.exact_velocity(height, self.channel.start_time))
+
+    def apply_jump(self, flow: FlowState, *jump: Any) -> np.ndarray:
+        """Return no change of the velocities: the stress of the wall is finite."""
+        return np.zeros_like(flow.velocity)
+
+    def close(self, velocity: np.ndarray) -> None:
+        """End a stage; the error of a wall velocity without mass is an error of the velocities of the fluid."""
+        super().close(velocity)
+        self.defect = 0.0
 
 
 class MasslessWall(WallOfGivenStress):
@@ -378,9 +380,11 @@ def wall_pair_of(config: Any, channel: "Channel") -> WallPair:
     for side, schedule in enumerate((channel.bottom, channel.top)):
         if not isinstance(model, StressModel):
             walls.append(PrescribedWall(channel, side, obeys_momentum))
+        elif channel.slip_lengths[side]:
+            walls.append(SlipWall(channel, side, obeys_momentum, model, channel.reference_walls[side]))
         elif isinstance(schedule, StressControlledWall):
             kind = MasslessWall if schedule.mass_per_area == 0.0 else InertialWall
-            walls.append(kind(channel, side, obeys_momentum, model))
+            walls.append(kind(channel, side, obeys_momentum, model, channel.reference_walls[side]))
         else:
             walls.append(CoupledWall(channel, side, obeys_momentum, model))
     return WallPair(channel, walls, model)

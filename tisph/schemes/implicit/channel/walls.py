@@ -39,7 +39,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tisph.schemes.implicit.channel.models import FluidModel, StressModel
-from tisph.schemes.implicit.channel.step import GAMMA, B, C, ClosedOperators, FlowState, explicit_part
+from tisph.schemes.implicit.channel.step import GAMMA, B, C, ClosedOperators, FlowState, Solution, explicit_part
 
 if TYPE_CHECKING:
     from tisph.scenes._channel import Channel
@@ -60,7 +60,8 @@ class WallPair:
     ``obeys_momentum``: whether the series of the images follow from the momentum equation. ``any_jump``: whether a
     velocity, an acceleration or a stress jumps, at the start or later. ``even_reflection``: whether images of
     velocities beyond the (bottom, top) wall have the sign of their sources. ``coupled``: whether there is an extra
-    stress. ``steady``: whether the series never change between jumps. ``stress_controlled``: such walls, at most one.
+    stress. ``steady``: whether the series never change between jumps. ``stress_controlled``: walls whose velocity is
+    not given, or along which the fluid slips.
     """
 
     def __init__(self, channel: "Channel", walls: "Sequence[PrescribedWall]", model: FluidModel) -> None:
@@ -70,7 +71,7 @@ class WallPair:
         self.steady = not self.coupled and not any(wall.oscillates for wall in walls)
         self.any_jump = any(any(wall.jumps) or wall.schedule.jump_times or wall.even_reflection for wall in walls)
         self.even_reflection = tuple(wall.even_reflection for wall in walls)
-        self.stress_controlled: list[Any] = [wall for wall in walls if wall.schedule.stress_controlled]
+        self.stress_controlled: list[Any] = [wall for wall in walls if not wall.prescribed]
         self.past: Any = None
         self.present: Any = None
 
@@ -149,6 +150,37 @@ class WallPair:
                 gains[wall.side] += float(change.sum(dtype=float))
         return gains
 
+    def match(self, operators: ClosedOperators, solution: Solution, *system: Any) -> Solution | None:
+        """Return the ``solution`` of a stage with the wall velocities at which stresses balance; None on failure.
+
+        ``system``: gamma dt, the tangent and the tolerance of the linear systems of the stage. The velocities U of the
+        walls change by dU, with the stress sigma_ij at wall i by a unit velocity of wall j:
+
+            (mass_i/(gamma dt) + friction_i) dU_i - s_i sum_j sigma_ij dU_j = -residual_i
+        """
+        walls = [wall for wall in self.stress_controlled if not wall.even_reflection]
+        sheared = [wall.respond(operators, *system) for wall in walls]
+        if not walls or any(one is None for one in sheared):
+            return None if walls else solution
+        (gamma_dt, tangent, _), (velocity, shear_rate, stress) = system, solution
+        viscosity, drive, count = walls[0].viscosity, self.channel.acceleration, len(walls)
+        right, (matrix, more) = np.zeros(count), np.zeros((2, count, count))
+        for i, wall in enumerate(walls):
+            wall.total = wall.fitted_stress(viscosity * shear_rate + stress, wall.rate - drive)
+            for j, rate in enumerate(sheared):
+                more[i, j] = wall.fitted_stress((viscosity + tangent) * rate, (i == j) / gamma_dt)
+            matrix[i] = -wall.normal_sign * more[i]
+            matrix[i, i] += wall.mass / gamma_dt + wall.friction
+            residual = wall.mass * wall.rate - wall.stress - wall.normal_sign * wall.total
+            right[i] = -residual - wall.friction * wall.stage_velocity
+        changes = np.linalg.solve(matrix, right)
+        for wall, change, rate, more_of in zip(walls, changes.tolist(), sheared, more, strict=True):
+            wall.total += float(more_of @ changes)
+            wall.set_velocity(wall.stage_velocity + change)
+            velocity, shear_rate = velocity + change * wall.response, shear_rate + change * rate
+            stress = stress + change * tangent * rate
+        return velocity, shear_rate, stress
+
     def host_state(self) -> dict[str, Any]:
         """Return the numbers that a resumed run needs."""
         past = self.past and (self.past[0], self.past[1].tolist())
@@ -164,13 +196,15 @@ class WallPair:
 class PrescribedWall:
     """A wall of given velocity beside a Newtonian fluid, and the interface of the other walls.
 
-    ``side``: 0 bottom, 1 top. ``normal_sign``: sign of the normal into the fluid. ``even_reflection``: whether images
+    ``side``: 0 bottom, 1 top. ``normal_sign``: sign of the normal into the fluid. ``prescribed``: whether the fluid at
+    the wall has a given velocity. ``even_reflection``: whether images
     of velocities have the sign of their sources. ``series`` and ``stress_series``: for each stage of the step its
     ``Series``, and the derivatives of S_xy for ``stress_excess``. ``jumps``: jump of the velocity, and jump of the
     acceleration relative to the body acceleration, when the run starts. ``defect``: difference of third and second
     order in the velocity of the wall over the step. ``kept``: names of the numbers that a resumed run needs.
     """
 
+    prescribed = True
     even_reflection = False
     defect = 0.0
     kept: tuple[str, ...] = ()

@@ -1,0 +1,85 @@
+"""Start-up flow along walls with slip: against modes, whose eigenvalue equations have the slip lengths (b, b')."""
+
+import numpy as np
+import pytest
+
+from tisph.exact._fluids import ViscoelasticFluid
+from tisph.exact.start_up import CircularStartUp, Flow, PipeStartUp, SlippingWall, StartUp, Wall
+from tisph.geometry.motion import WallMotion
+
+WATER = ViscoelasticFluid(1.0, ())
+ACCURACY = 1e-8
+"""Of the solution, relative to the wall speed; the values have eight digits."""
+
+PLANE = [
+    # (slip lengths below and above, speed of the top, acceleration), time, u at y = 0, 1/4, 1/2, 3/4, 1
+    ((0.1, 0.05, 1.0, 0.0), 0.02, [3.6058183e-7, 8.7287172e-5, 0.0071455212, 0.14400882, 0.81117872]),
+    ((0.1, 0.05, 1.0, 0.0), 0.5, [0.083017293, 0.29219937, 0.50685556, 0.72821844, 0.95449845]),
+    ((0.1, 0.05, 0.0, 1.0), 0.1, [0.027035903, 0.072009318, 0.083335763, 0.067582842, 0.015385383]),
+    ((0.0, np.inf, 0.0, 1.0), 0.02, [0.0, 0.018303352, 0.019952027, 0.019999618, 0.019999998]),
+    ((0.0, np.inf, 0.0, 1.0), 0.5, [0.0, 0.16124274, 0.26874072, 0.32991594, 0.34972726]),
+]
+
+
+def wall(slip_length, motion):
+    """A wall in a fluid of viscosity 1."""
+    return SlippingWall(motion, 1.0 / slip_length) if slip_length else motion
+
+
+def plane(below, above, speed, acceleration):
+    """The flow between planes 1 apart."""
+    return Flow(1.0, wall(below, Wall()), wall(above, Wall(speed)), acceleration)
+
+
+@pytest.mark.parametrize(("case", "time", "expected"), PLANE)
+def test_between_planes(case, time, expected):
+    found = StartUp(WATER, plane(*case)).velocity(np.linspace(0.0, 1.0, 5), time)
+    assert np.abs(found - expected).max() < ACCURACY
+
+
+def test_periodic_flow_of_an_oscillating_wall_with_slip():
+    flow = Flow(1.0, wall(0.05, Wall()), wall(0.1, WallMotion(1.0, 0.0, 20.0)))
+    cosine = [-0.011057848, -0.057297594, -0.039756963, 0.17133465, 0.71764595]
+    sine = [0.0045792006, 0.045257723, 0.15136002, 0.28725289, 0.17253877]
+    found, angle = StartUp(WATER, flow, flow), 20.0 * 0.7
+    expected = np.array(cosine) * np.cos(angle) + np.array(sine) * np.sin(angle)
+    assert np.abs(found.velocity(np.linspace(0.0, 1.0, 5), 0.7) - expected).max() < ACCURACY
+
+
+def test_developed_flow_stays_the_parabola_with_slip():
+    flow, y = plane(0.1, 0.05, 0.0, 1.0), np.linspace(0.0, 1.0, 21)
+    found = StartUp(WATER, flow, flow)
+    expected = -0.5 * y**2 + 0.55 / 1.15 * (y + 0.1)
+    assert np.abs(found.velocity(y, [[0.0], [0.3]]) - expected).max() < ACCURACY
+
+
+def test_directly_after_a_jump_the_wall_has_the_stress_of_its_whole_speed():
+    found = StartUp(WATER, plane(0.1, 0.05, 1.0, 0.0))
+    assert found.shear_stress(np.array([0.0, 1.0]), 0.0) == pytest.approx([0.0, 20.0])
+    # u at the wall grows as 2 sqrt(t/pi)/b
+    late = 20.0 - 400.0 * 2.0 * np.sqrt(1e-7 / np.pi)
+    assert found.shear_stress(1.0, 1e-7) == pytest.approx(late, abs=20.0 * 400.0 * 1e-7 * 1.1)
+
+
+@pytest.mark.parametrize(
+    ("time", "expected"),
+    [
+        (0.02, [0.60539382, 0.088872813, 0.0038019805, 4.124461e-5, 1.8304556e-7]),
+        (0.5, [0.79516633, 0.53468291, 0.34748866, 0.20514879, 0.091618546]),
+        (20.0, [0.8, 0.55, 11 / 30, 0.2214285714, 0.1]),
+    ],
+)
+def test_between_cylinders(time, expected):
+    found = CircularStartUp(1.0, 2.0, WATER, wall(0.1, Wall(1.0)), wall(0.2, Wall()))
+    assert np.abs(found.velocity(np.linspace(1.0, 2.0, 5), time) - expected).max() < ACCURACY
+    if time == 20.0:
+        assert found.torque(time, density=1.0) == pytest.approx([-4.0 * np.pi, 4.0 * np.pi], rel=1e-8)
+
+
+def test_spin_up_and_pipe():
+    spin_up = CircularStartUp(0.0, 1.0, WATER, Wall(), wall(0.1, Wall(1.0)))
+    expected = [0.096068988, 0.26405767, 0.93069895]
+    assert np.abs(spin_up.velocity(np.array([0.25, 0.5, 1.0]), 0.1) - expected).max() < ACCURACY
+    pipe = PipeStartUp((0.0, 1.0), WATER, (Wall(), wall(0.1, Wall())), acceleration=4.0)
+    expected = [1.0772242, 0.86105667, 0.18504691]
+    assert np.abs(pipe.velocity(np.array([0.0, 0.5, 1.0]), 0.5) - expected).max() < 5e-8  # seven digits

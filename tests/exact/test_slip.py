@@ -53,7 +53,7 @@ def test_developed_flow_stays_the_parabola_with_slip():
     assert np.abs(found.velocity(y, [[0.0], [0.3]]) - expected).max() < ACCURACY
 
 
-def test_directly_after_a_jump_the_wall_has_the_stress_of_its_whole_speed():
+def test_after_a_jump_the_stress_is_that_of_the_whole_speed():
     found = StartUp(WATER, plane(0.1, 0.05, 1.0, 0.0))
     assert found.shear_stress(np.array([0.0, 1.0]), 0.0) == pytest.approx([0.0, 20.0])
     # u at the wall grows as 2 sqrt(t/pi)/b

@@ -323,14 +323,15 @@ class Channel(Scene):
     @property
     def _flow(self) -> StartUp:
         """The exact flow from rest, or from the flow that had developed before t = 0."""
-        flow, before = Flow(self.gap, *self.reference_walls, self.acceleration), None
+        bottom, top = self.reference_walls
+        flow, before = Flow(self.gap, bottom, top, self.acceleration), None
         if self.starts_developed:
             walls = (
                 wall if wall.oscillates else Wall(wall.cosine if wall.before is None else wall.before)
                 for wall in self._pair
             )
-            pair = (self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
-            before = Flow(self.gap, *pair, self.acceleration)
+            bottom, top = (self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
+            before = Flow(self.gap, bottom, top, self.acceleration)
         return _solved(self.rheology, self.kinematic_viscosity, self.density, flow, before)
 
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:

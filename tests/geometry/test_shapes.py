@@ -300,7 +300,7 @@ REFUSED = {
     "upright": (lambda: Outline(((0, 0), (0, 1))), "between the ends of the wall"),
     "arc beyond an end": (
         lambda: Outline(((0, 0), (0.1, 0), (0.1, 1), (1, 1)), 0.2),
-        "beyond an end of the wall: at most 0.1",
+        "do not fit: at most 0.1",
     ),
     "step too low": (lambda: Outline(((0, 0), (1, 0), (1, 0.3), (2, 0.3)), 0.2), "do not fit: at most 0.15"),
     "no direction": (lambda: Line((0, 0), (0, 0)), "a tangent with a direction"),

@@ -27,6 +27,7 @@ BULGES = {
     "half_axes": ("half_axes", "an end"),
     "corners": ("corner_radius", "a corner"),
     "points": ("points", "a bend"),
+    "outline": ("outline", "a bend"),
 }
 """Key that defines a body's shape -> (key of its smallest radius, name of the part that has this radius)."""
 

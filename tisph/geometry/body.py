@@ -67,7 +67,7 @@ class BodyState(Placement):
         points, body = np.asarray(points, dtype=float), self.body
         copy = body.nearest_copy(points - self.centre)
         foot = self._foot(points, copy)
-        for offset in body.periodic_offsets() if body.shape.fluid_side == "outside" else ():
+        for offset in body.periodic_offsets() if body.in_fluid else ():
             other = copy + offset
             nearer = np.linalg.norm(points - self.centre - other, axis=1) - body.bounding_radius < foot.distance
             if nearer.any():

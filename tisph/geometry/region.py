@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tisph.geometry.body import Body
+from tisph.geometry.line import Line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -124,9 +125,8 @@ class Region:
         if all(self.periodic):
             area = float(np.prod(self.size))
         else:
-            # by Gauss: over walls with ends, the sum of length times distance from any one point is the area of a strip
-            # between two of them, and twice the area that they enclose
-            area = sum(_length_times_distance(body) for body in self.bodies if not body.shape.area)
+            # by Gauss: the integral over walls with ends is the area for each coordinate without a period
+            area = sum(_enclosed(body, self.periodic) for body in self.bodies if not body.shape.area)
             area /= 2 - sum(self.periodic)
         closed = [0.5 if self.axisymmetric and body.crosses_axis else 1.0 for body in self.bodies]
         signs = [1 if body.shape.fluid_side == "inside" else -1 for body in self.bodies]
@@ -161,9 +161,9 @@ class Region:
         return points
 
 
-def _length_times_distance(wall: Body) -> float:
-    """Return the integral along a ``wall`` with ends of the distance of (0, 0) from its tangent."""
-    if wall.shape.smallest_radius == math.inf:
+def _enclosed(wall: Body, periodic: tuple[bool, bool]) -> float:
+    """Return the integral along a ``wall`` with ends of -x n_x - y n_y, without coordinates that are ``periodic``."""
+    if isinstance(wall.shape, Line):
         return wall.shape.length * float(wall.nearest(np.zeros((1, 2))).distance[0])
     points = wall.boundary_points(wall.shape.length / PIECES)
-    return -float(points.length @ (points.point * points.normal).sum(axis=1))
+    return -float(points.length @ (points.point * points.normal)[:, ~np.array(periodic)].sum(axis=1))

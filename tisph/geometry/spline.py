@@ -63,13 +63,12 @@ class Spline(ClosedCurve):
     @property
     def smallest_radius(self) -> float:
         """Smallest radius of curvature of samples of the curve."""
-        return float(1 / np.abs(self._normals(self._samples[0])[1]).max())
+        return _radius(np.abs(self._normals(self._samples[0])[1]).max())
 
     @property
     def convex_radius(self) -> float:
         """Smallest radius of curvature of samples where the curve bulges into the fluid."""
-        largest = ((1.0 if self.fluid_side == "outside" else -1.0) * self._normals(self._samples[0])[1]).max()
-        return float(1 / largest) if largest > 0 else math.inf
+        return _radius((self._side * self._normals(self._samples[0])[1]).max())
 
     @property
     def area(self) -> float:
@@ -195,6 +194,11 @@ class Spline(ClosedCurve):
             if np.abs(step).max() <= 1e-14 * self._knots[-1]:
                 break
         return parameter
+
+
+def _radius(curvature: float) -> float:
+    """Return the radius of a ``curvature``, infinite for one of 0 or below."""
+    return float(1 / curvature) if curvature > 0 else math.inf
 
 
 def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:

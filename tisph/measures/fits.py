@@ -274,7 +274,7 @@ BAND = 8.0
 def section_mean(scene: Any, snapshot: Snapshot, place: float, degree: int = 4) -> float:
     """Return the mean of u over the cross-section at ``place``, see ``section_weights``; NaN if a number is not finite.
 
-    In an incompressible flow it is the mean over all of a box that is periodic in x, bodies included, at a tenth of the
+    In an incompressible flow it is the mean over all of a box that is periodic in x, solids included, at a tenth of the
     cost of ``cell_mean``. The two differ by the errors of their nodes, up to 3e-4 of the velocity. ``degree``: 2 or 4.
     """
     if not np.isfinite(snapshot.x + snapshot.y + snapshot.u).all():
@@ -323,10 +323,12 @@ def sum_weights(tree: Any, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray
 def _section(scene: Any, place: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes (n, 2) of a mean over the cross-section at ``place`` along x, and their weights (n,)."""
     heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
-    nodes = np.stack(
-        [np.full_like(heights, place % scene.extent[0]), scene.origin[1] + scene.extent[1] * heights], axis=1
-    )
-    return nodes, weights * nodes[:, 1] / (weights @ nodes[:, 1]) if scene.axisymmetric else weights
+    x = np.full_like(heights, place % scene.extent[0])
+    low, size = scene.section(x)
+    nodes = np.stack([x, low + size * heights], axis=1)
+    if scene.axisymmetric:
+        return nodes, weights * nodes[:, 1] / (weights @ nodes[:, 1])
+    return nodes, weights * (size / scene.extent[1])
 
 
 def _nodes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -335,7 +337,10 @@ def _nodes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
     counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
     rows = [_rule(int(count), periodic) for count, periodic in zip(counts, scene.periodic, strict=True)]
     nodes = np.stack(np.meshgrid(*(positions for positions, _ in rows), indexing="ij"), axis=-1).reshape(-1, 2)
-    return scene.origin + size * nodes, np.outer(*(weights for _, weights in rows)).ravel()
+    x = scene.origin[0] + size[0] * nodes[:, 0]
+    low, height = scene.section(x)
+    weights = np.outer(*(weights for _, weights in rows)).ravel()
+    return np.stack([x, low + height * nodes[:, 1]], axis=1), weights * (height / size[1])
 
 
 @lru_cache

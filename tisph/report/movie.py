@@ -26,6 +26,7 @@ from PIL import Image
 from tisph.errors import TisphError
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
+from tisph.geometry.outline import SmoothOutline
 from tisph.geometry.polygon import Polygon
 from tisph.measures.resolution import steadiness
 from tisph.report import style
@@ -411,6 +412,9 @@ def _mirrored(body: Body) -> Body:
     if shape.area:
         outline = shape.boundary_points(shape.length / _POINTS).point * across
         image = Polygon(outline.tolist(), fluid_side=shape.fluid_side)
+    elif not isinstance(shape, Line):
+        key = "points" if isinstance(shape, SmoothOutline) else "corners"
+        image = replace(shape, **{key: (np.array(getattr(shape, key))[::-1] * across).tolist()})
     else:
         start = np.add(shape.point, shape.length * np.array(shape.tangent)) * across
         image = Line(start.tolist(), (-across * shape.tangent).tolist(), shape.length)

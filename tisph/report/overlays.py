@@ -23,7 +23,7 @@ import numpy as np
 
 from tisph.geometry.body import Body, Placement
 from tisph.geometry.ends import OpenEnd
-from tisph.geometry.outline import Outline
+from tisph.geometry.line import Line
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
 from tisph.report.layout import RIM, Layout
@@ -189,7 +189,7 @@ class _OutlineWall(_ImmersedBody):
     def __init__(self, body: Body, layout: Layout, mark: float):
         super().__init__(body, layout, mark)
         shape: Any = body.shape
-        first, last = np.array(shape.corners[0]), np.array(shape.corners[-1])
+        first, last = shape.ends
         behind = np.array([0.0, -10.0 * (last[0] - first[0])])
         self._strokes = [np.array([first, *self._edge, last])]
         self._edge = np.array([*self._strokes[0], last + behind, first + behind])
@@ -197,10 +197,8 @@ class _OutlineWall(_ImmersedBody):
 
 def _kind(body: Body) -> type[Any]:
     """Return the class of a body."""
-    if isinstance(body.shape, Outline):
-        return _OutlineWall
     if not body.shape.area:
-        return _StraightWall
+        return _StraightWall if isinstance(body.shape, Line) else _OutlineWall
     return _ImmersedBody if body.shape.fluid_side == "outside" else _ContainerWall
 
 

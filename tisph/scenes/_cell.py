@@ -109,23 +109,31 @@ def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] =
     return [body.body(periods, Surroundings.of(config)) for body in given]
 
 
-def plane_walls(length: float, gap: float, walls: Any) -> dict[str, Body]:
-    """Return the walls ``bottom`` at y = 0 and ``top`` at y = ``gap`` by name, with a period ``length`` along x.
+def walls_along(config: Any) -> dict[str, Body]:
+    """Return the walls ``bottom`` and ``top`` of a ``config`` by name: planes along x, or of the shape of an outline.
 
-    ``walls``: a config section with ``bottom`` and ``top``, motions along x. A wall with an ``outline`` has its shape.
+    In axisymmetric flow no wall is where the axis is.
     """
-    shapes: dict[str, Any] = {
-        "bottom": Line((0.0, 0.0), (1.0, 0.0), length),
-        "top": Line((length, gap), (-1.0, 0.0), length),
+    length, height = config.extent
+    low = config.geometry.inner_radius if config.axisymmetric else 0.0
+    planes = {
+        "bottom": Line((0.0, low), (1.0, 0.0), length),
+        "top": Line((length, low + height), (-1.0, 0.0), length),
     }
-    given = {name: getattr(walls, name) for name in shapes}
-    shapes |= {name: wall.shape(name) for name, wall in given.items() if getattr(wall, "outline", None)}
-    motions = {name: RigidMotion(WallMotion.from_config(wall)) for name, wall in given.items()}
-    return {name: Body(shape, motion=motions[name]) for name, shape in shapes.items()}
+    if config.axisymmetric and not low:
+        del planes["bottom"]
+    walls = {}
+    for name, plane in planes.items():
+        wall = getattr(config.walls, name)
+        motion = RigidMotion(WallMotion.from_config(wall))
+        periods = (length if config.periodic[0] and wall.outline else math.inf, math.inf)
+        shape = wall.shape(name, config.periodic[0]) if wall.outline else plane
+        walls[name] = Body(shape, motion=motion, periods=periods)
+    return walls
 
 
 def planes(walls: dict[str, Body]) -> tuple[tuple[str, Any], ...]:
-    """Return the pairs of ``Scene.walls``, (side, motion) from top to bottom, of walls from ``plane_walls``."""
+    """Return the pairs of ``Scene.walls``, (side, motion) from top to bottom, of walls from ``walls_along``."""
     return tuple((name, walls[name].motion.x) for name in ("top", "bottom"))
 
 

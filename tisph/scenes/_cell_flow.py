@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tisph.geometry.body import POINTS, Body, smallest_gap
-from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
+from tisph.geometry.outline import EndToEnd
 from tisph.measures import resolution
 from tisph.measures.fits import cell_mean
-from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed
+from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed, open_place
 from tisph.scenes._views import planar_diagnostics
 from tisph.snapshot import Snapshot
 
@@ -322,22 +322,9 @@ class CellFlow(BodyScene):
     def open_section(self, t: float) -> float | None:
         """Return the middle of the longest part of the cell along x without bodies at time ``t``; None without one.
 
-        None, too, where the flow rate may vary along x, or the height: without a period, and between walls that are no
-        planes.
+        None, too, where the flow rate may vary along x: without a period.
         """
-        if not self.periodic[0] or any(not isinstance(body.shape, Line) for body in self.bodies[self.count :]):
-            return None
-        bodies, length = self.bodies[: self.count], self.size[0]
-        if not bodies:
-            return 0.0
-        radii = np.array([farthest(body.shape) for body in bodies])
-        first = (np.array([body.at(t).centre[0] for body in bodies]) - radii) % length
-        order = np.argsort(first)
-        first, last = first[order], np.maximum.accumulate((first + 2.0 * radii)[order])
-        last = np.maximum(last, last[-1] - length)  # bodies across the end of the cell
-        gaps = np.append(first[1:], first[0] + length) - last
-        longest = int(np.argmax(gaps))
-        return float(last[longest] + 0.5 * gaps[longest]) if gaps[longest] > 0.0 else None
+        return open_place(self.bodies[: self.count], self.size[0], t) if self.periodic[0] else None
 
     # Free bodies ------------------------------------------------------------------------------------------------------
 
@@ -379,12 +366,12 @@ class CellFlow(BodyScene):
 
     @property
     def mean_stress_names(self) -> tuple[str, ...]:
-        """Names of the ``mean_stresses``; none without free bodies, or without walls that shear the fluid.
+        """Names of the ``mean_stresses``; none without free bodies, or without plane walls that shear the fluid.
 
         The stress by the bodies is not known where the viscosity varies.
         """
         sheared = self.has_free_bodies and any(wall.largest_speed for _, wall in self.walls) and not self.acceleration
-        if not sheared:
+        if not sheared or any(isinstance(body.shape, EndToEnd) for body in self.bodies):
             return ()
         return (STRESS_ON_WALLS,) if self.rheology and not self.polymer else tuple(STRESS_WORDS)
 

@@ -22,6 +22,7 @@ from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.ends import OpenEnd
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
+from tisph.geometry.outline import EndToEnd
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.scenes._views import COLOURS, ExtraSeries, MovieView, Profile, TimeSeries, movie_view
@@ -344,6 +345,19 @@ class Scene(SceneDefaults):
         """
         return (math.inf, ""), (math.inf, "")
 
+    def section(self, x: np.ndarray) -> tuple[Any, Any]:
+        """Return the lowest place, and the height, of the cross-sections at ``x`` (n,): numbers, or arrays (n,)."""
+        low, height = self.origin[1], self.extent[1]
+        high = low + height
+        for body in self.bodies:
+            if isinstance(body.shape, EndToEnd):
+                if body.shape.ends[0, 0] < body.shape.ends[1, 0]:
+                    low = body.shape.height(x)
+                else:
+                    high = body.shape.height(x)
+                height = high - low
+        return low, height
+
     def seen(self, snapshot: Snapshot) -> "Scene":
         """Return this scene with free bodies at their places in ``snapshot``, moving on with their velocities there."""
         return self
@@ -451,6 +465,23 @@ def farthest(shape: Any) -> float:
 def largest_speed(body: Body) -> float:
     """Return an upper bound of the speed of the points of a ``body``."""
     return body.motion.largest_speed(farthest(body.shape))
+
+
+def open_place(bodies: Sequence[Body], length: float, t: float) -> float | None:
+    """Return the middle of the longest part of a period ``length`` along x without ``bodies`` at time ``t``, or None.
+
+    0 where there are no bodies.
+    """
+    if not bodies:
+        return 0.0
+    radii = np.array([farthest(body.shape) for body in bodies])
+    first = (np.array([body.at(t).centre[0] for body in bodies]) - radii) % length
+    order = np.argsort(first)
+    first, last = first[order], np.maximum.accumulate((first + 2.0 * radii)[order])
+    last = np.maximum(last, last[-1] - length)  # bodies across the end of the cell
+    gaps = np.append(first[1:], first[0] + length) - last
+    longest = int(np.argmax(gaps))
+    return float(last[longest] + 0.5 * gaps[longest]) if gaps[longest] > 0.0 else None
 
 
 LEAST_JITTER = 0.05

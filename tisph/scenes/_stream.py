@@ -24,7 +24,7 @@ from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
-from tisph.scenes._cell import Cell, bodies_of, plane_walls, planes
+from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
 from tisph.scenes._cell_flow import LOADS
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -194,8 +194,7 @@ class Stream(Cell):
     @classmethod
     def from_config(cls, config: Any) -> "Cell":
         """Return the scene that a validated config describes."""
-        length, gap = config.geometry.length, config.geometry.gap
-        walls = plane_walls(length, gap, config.walls)
+        walls = walls_along(config)
         places = end_lines(config)
         sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
         heights = heights_at(config, sides[0])

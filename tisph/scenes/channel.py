@@ -11,7 +11,7 @@ solution: the scene then is a cell between two walls (``_cell``). Runs without b
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -31,11 +31,14 @@ WallTreatment = Member("walls", usual="consistent_image")
 STRESS_KEYS = ("shear_stress", "stress_amplitude", "stresses")
 """Keys of a wall that make it stress-controlled."""
 
-OUTLINE_KEYS = ("outline", "corner_radius")
+OUTLINE_KEYS = ("outline", "corner_radius", "smooth")
 """Keys of a wall that is no plane."""
 
 PLACES = 1000
 """Points on each wall from which the distance between a wall with an outline and the other one is computed."""
+
+OVERSHOOT = 1e-3
+"""Part of the height by which a smooth curve may leave the box between its places."""
 
 Place = Annotated[tuple[Signed, Signed], Field(strict=False)]
 
@@ -58,8 +61,8 @@ class Wall(WallMotion):
     along x [mass/(length time^2)]: constant, ``shear_stress``; ``stress_amplitude`` with ``angular_frequency`` and
     ``phase``; or ``stresses``, each from one of the ``times`` on.
 
-    Or, between open ends, a wall at rest that is no plane: its ``outline`` is a polyline through places [x, y] from
-    x = 0 to x = length, with corners rounded by arcs of ``corner_radius`` [length].
+    Or a wall at rest that is no plane: its ``outline`` is a polyline through places [x, y] from x = 0 to x = length,
+    with corners rounded by arcs of ``corner_radius`` [length], or a ``smooth`` curve through them.
 
     The fluid at the wall is faster than the wall by ``slip_length`` [length] * shear stress / dynamic viscosity;
     ``infinite``: no shear stress, as on a flat free surface or a plane of symmetry.
@@ -68,7 +71,6 @@ class Wall(WallMotion):
     speed_key = "velocity"
     other_keys = (*STRESS_KEYS, "velocities")
     exclusive_keys = ("velocity", "amplitude", *STRESS_KEYS, "velocities")
-    shaped_by: ClassVar[str] = "corners"
     unset_keys = (
         "velocity_before",
         "angular_frequency",
@@ -92,7 +94,13 @@ class Wall(WallMotion):
     mass_per_area: NonNegative | None = None
     outline: Annotated[tuple[Place, ...], Field(strict=False, min_length=2, max_length=1000)] | None = None
     corner_radius: Positive | None = None
+    smooth: bool | None = None
     slip_length: number_or(Positive, "infinite") | None = None
+
+    @property
+    def shaped_by(self) -> str:
+        """Key of ``BULGES`` in ``bodies/_clearance``."""
+        return "outline" if self.smooth else "corners"
 
     @property
     def stress_controlled(self) -> bool:
@@ -124,22 +132,22 @@ class Wall(WallMotion):
     @model_validator(mode="after")
     def _check_outline(self) -> "Wall":
         if self.outline is None:
-            refuse(findings(self, ("corner_radius",), "is only for a wall with an outline"))
+            refuse(findings(self, OUTLINE_KEYS[1:], "is only for a wall with an outline"))
             return self
         moves = [key for key in self.exclusive_keys if getattr(self, key)]
         refuse(findings(self, (*moves, "velocity_before"), "is not for a wall with an outline: it is at rest"))
-        try:
-            self.shape("bottom")
-        except ValueError as error:
-            raise refusals([(("outline",), str(error), self.outline)]) from None
+        if self.smooth:
+            refuse(findings(self, ("corner_radius",), "is not for a smooth wall, which has no corners"))
         return self
 
-    def shape(self, side: str) -> Any:
-        """Return the ``Outline`` of the ``side`` bottom, below the fluid, or top; ValueError where it is impossible."""
-        from tisph.geometry.outline import Outline
+    def shape(self, side: str, periodic: bool) -> Any:
+        """Return the outline of the ``side`` bottom, below the fluid, or top; ValueError where it is impossible."""
+        from tisph.geometry.outline import Outline, SmoothOutline
 
-        corners = self.outline or ()
-        return Outline(corners if side == "bottom" else corners[::-1], self.corner_radius or 0.0)
+        places = (self.outline or ())[:: 1 if side == "bottom" else -1]
+        if self.smooth:
+            return SmoothOutline(places, periodic=periodic)
+        return Outline(places, self.corner_radius or 0.0, periodic=periodic)
 
 
 def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
@@ -202,7 +210,12 @@ class Config(schema.Config):
     @property
     def parallel(self) -> bool:
         """Whether all flow is along x."""
-        return not self.bodies and self.ends is None
+        return not (self.bodies or self.ends or self.outlined)
+
+    @property
+    def outlined(self) -> bool:
+        """Whether a wall has an outline."""
+        return any(getattr(self.walls, side).outline for side in SIDES)
 
     @property
     def flow(self) -> str:
@@ -211,6 +224,8 @@ class Config(schema.Config):
             return f"{self.named_bodies} in a channel"
         if self.ends:
             return "Flow through a channel with open ends"
+        if self.outlined:
+            return "Flow between walls that are no planes"
         walls: Any = (self.walls.bottom, self.walls.top)
         if any(wall.stress_controlled for wall in walls):
             return "Plane shear under a given stress"
@@ -262,7 +277,6 @@ class Config(schema.Config):
         if not self.parallel:
             yield from _problems_with_bodies_or_ends(self)
             return
-        yield from _without_ends(self)
         if self.contact:
             yield "contact", "is for free bodies, and there are none: leave it out"
         if self.drive.gravity:
@@ -282,7 +296,7 @@ class Config(schema.Config):
         """Yield an error for a length that the spacing does not divide, or that is too short."""
         wrong = [] if self.ends else checks.incommensurate_columns(self)
         yield from wrong
-        least = checks.LEAST_IN_PERIOD if self.bodies else checks.least_in_period(self)
+        least = checks.least_in_period(self) if self.parallel else checks.LEAST_IN_PERIOD
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the neighbour search needs three cells along x"
@@ -300,9 +314,9 @@ class Scene:
             from tisph.scenes._stream import Stream
 
             return Stream.from_config(config)
-        from tisph.scenes._cell import Cell, bodies_of, plane_walls, planes
+        from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
 
-        walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
+        walls = walls_along(config)
         developed = DevelopedFlow.of(config) if config.initial.state == "developed" else None
         bodies = bodies_of(config, walls)
         return Cell.around(config, bodies, walls, walls=planes(walls), initial_velocity=developed)
@@ -366,10 +380,11 @@ def _driven(config: Config) -> Iterator[Problem]:
 def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
     """Yield the errors in the config of a channel with bodies, or with open ends."""
     from tisph.geometry.body import Body
-    from tisph.scenes._cell import bodies_of, cell_problems, plane_walls
+    from tisph.scenes._cell import bodies_of, cell_problems, walls_along
 
     sides = {side: getattr(config.walls, side) for side in SIDES}
-    where, able = "with bodies in the channel", "a Newtonian fluid and steady walls make it developed"
+    where = "with bodies in the channel" if config.bodies else "with a wall that is no plane"
+    able = "a Newtonian fluid and steady walls make it developed"
     if config.ends:
         where, able = "with open ends", "a fluid without polymer makes it developed"
         if errors := list(_problems_with_ends(config)):
@@ -377,14 +392,12 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
             return
     for side, wall in sides.items():
         if wall.stress_controlled:
-            yield f"walls.{side}", "must have a velocity: with bodies in the channel no stress can drive a wall"
+            yield f"walls.{side}", f"must have a velocity: {where} no stress can drive a wall"
             return
     for side, wall in sides.items():
         if wall.velocities:
-            yield f"walls.{side}.velocities", "is not for a channel with bodies: give velocity, or an amplitude"
+            yield f"walls.{side}.velocities", f"must be left out {where}: give velocity, or an amplitude"
             return
-    if not config.ends:
-        yield from _without_ends(config)
     moving = any(wall.amplitude for wall in sides.values())
     unknown = config.fluid.polymer if config.ends else config.fluid.rheology.type != "newtonian"
     if config.initial.state != "rest" and (moving or unknown):
@@ -400,11 +413,10 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
         yield "walls.treatment.type", f"must be left out: {where} walls have boundary points and no images"
     if config.probes != type(config.probes)():
         yield "probes", f"must be left out: {where} forces are recorded, and no velocities at probes"
-    walls = plane_walls(config.geometry.length, config.geometry.gap, config.walls)
-    named = {f"walls.{name}": wall for name, wall in walls.items()}
-    if errors := list(outlined_wall_problems(config, walls)):
+    if errors := list(outlined_wall_problems(config)):
         yield from errors
         return
+    named = {f"walls.{name}": wall for name, wall in walls_along(config).items()}
     if config.ends:
         from tisph.scenes._stream import end_lines
 
@@ -412,37 +424,44 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
     yield from cell_problems(config, bodies_of(config, named), named)
 
 
-def _without_ends(config: Config) -> Iterator[Problem]:
-    """Yield an error for each wall with an outline in a channel without open ends."""
-    for side in SIDES:
-        if getattr(config.walls, side).outline:
-            text = "is only for a channel with open ends: give ends, an inlet and an outlet"
-            yield f"walls.{side}.outline", f"{text}; a periodic channel has planes"
-
-
-def outlined_wall_problems(config: Any, walls: dict[str, Any]) -> Iterator[Problem]:
-    """Yield the errors of walls with outlines; ``walls`` are the bodies bottom and top."""
+def outlined_wall_problems(config: Any) -> Iterator[Problem]:
+    """Yield the errors of walls with outlines."""
     from tisph.bodies._clearance import size_problems
+    from tisph.scenes._cell import walls_along
 
-    (length, gap), spacing = config.extent, config.spacing
-    given = {side: wall for side in SIDES if (wall := getattr(config.walls, side)).outline}
-    if given and getattr(config.initial, "state", "rest") == "developed":
+    given = {side: wall for side in SIDES if (wall := getattr(config.walls, side)) and wall.outline}
+    if not given:
+        return
+    if config.scheme.type == "wcsph":
+        yield "scheme.type", "wcsph has no treatment of walls with outlines; take auto or implicit"
+        return
+    (length, height), spacing = config.extent, config.spacing
+    low = config.geometry.inner_radius if config.axisymmetric else 0.0
+    if getattr(config.initial, "state", "rest") == "developed":
         yield "initial.state", "must be rest where a wall has an outline: no developed flow is known there"
     for side, wall in given.items():
-        (first, last), heights = (wall.outline[0][0], wall.outline[-1][0]), [y for _, y in wall.outline]
+        first, last = wall.outline[0][0], wall.outline[-1][0]
         if (first, last) != (0.0, length):
             yield f"walls.{side}.outline", f"must lead from x = 0 to x = {length:g}, not from {first:g} to {last:g}"
-        if not 0.0 <= min(heights) <= max(heights) <= gap:
-            yield f"walls.{side}.outline", f"must be within the box: y from 0 to {gap:g}"
-        yield from size_problems([(f"walls.{side}", wall, walls[side])], spacing, config.across)
-    if given:
-        least, pairs = checks.LEAST_PARTICLES_ACROSS * spacing, (("bottom", "top"), ("top", "bottom"))
-        points = {side: wall.boundary_points(wall.shape.length / PLACES).point for side, wall in walls.items()}
-        narrowest = min(float(walls[one].nearest(points[other]).distance.min()) for one, other in pairs)
-        if narrowest < least * (1.0 - 1e-3):
-            text = f"leaves a passage {narrowest:.4g} wide" if narrowest > 0.0 else "meets the other wall"
-            text = f"{text}: leave {checks.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
-            yield f"walls.{next(iter(given))}.outline", text
+            return
+        try:
+            extent = wall.shape(side, config.periodic[0]).extent[:, 1] - low
+        except ValueError as error:
+            yield f"walls.{side}.outline", str(error)
+            return
+        if not -OVERSHOOT * height <= extent[0] <= extent[1] <= (1.0 + OVERSHOOT) * height:
+            yield f"walls.{side}.outline", f"must be within the box: y from {low:g} to {low + height:g}"
+    walls = walls_along(config)
+    sized = [(f"walls.{side}", wall, walls[side]) for side, wall in given.items() if side in walls]
+    yield from size_problems(sized, spacing, config.across)
+    least = checks.LEAST_PARTICLES_ACROSS * spacing
+    points = {side: wall.boundary_points(wall.shape.length / PLACES).point for side, wall in walls.items()}
+    other = [walls[one].nearest(points[two]).distance for one, two in (SIDES, SIDES[::-1])] if len(walls) > 1 else []
+    narrowest = min(float(distance.min()) for distance in other or [points["top"][:, 1]])
+    if narrowest < least * (1.0 - 1e-3):
+        text = f"leaves a passage {narrowest:.4g} wide" if narrowest > 0.0 else "meets the other wall"
+        text = f"{text}: leave {checks.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
+        yield f"walls.{next(iter(given))}.outline", text
 
 
 def _problems_with_ends(config: Config) -> Iterator[Problem]:

@@ -26,13 +26,13 @@ from tisph.config.base import Model, NonNegative, Positive, Problem, refusals
 from tisph.config.fields import Bodies, Member, nearest
 from tisph.geometry.body import Body, gap
 from tisph.geometry.line import Line
-from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.polygon import Polygon
+from tisph.measures.fits import section_mean
 from tisph.scenes import _axisymmetric, annulus
-from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
-from tisph.scenes._cell import Cell, Surroundings, bodies_of, cell_problems, plane_walls, planes
+from tisph.scenes._axisymmetric import AxisymmetricScene, layer_at_plates
+from tisph.scenes._cell import Cell, Surroundings, bodies_of, cell_problems, planes, walls_along
 from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
-from tisph.scenes._scene import farthest
+from tisph.scenes._scene import farthest, open_place
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.annulus import turning_of
 from tisph.scenes.channel import Wall, outlined_wall_problems
@@ -51,11 +51,7 @@ def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
     if isinstance(config.bodies, tuple):
         periods, given = (box.length if box else math.inf, math.inf), Surroundings.of(config)
         bodies = {f"body_{i}": body_of_revolution(each.body(periods, given)) for i, each in enumerate(config.bodies)}
-    walls = _around(config.walls.around) if box is None else {}
-    for name, height in (("bottom", 0.0), ("top", box.height)) if box else ():
-        if box.inner_radius + height:
-            motion = RigidMotion(WallMotion.from_config(getattr(config.walls, name)))
-            walls[name] = cylinder(box.inner_radius + height, box.length, name == "top", motion=motion)
+    walls = walls_along(config) if box else _around(config.walls.around)
     for name in (*bodies, *walls):
         spins = [turning_of(each) for each in config.turning if each.turns(name)]
         group = bodies if name in bodies else walls
@@ -163,12 +159,22 @@ class RegionOfRevolution(AxisymmetricScene):
     def thinnest_layer(self, t: float) -> tuple[float, str]:
         """See ``Scene.thinnest_layer``: the layer at walls that started at t = 0, or turn."""
         started = self.layer_depth(t), "the layer at walls"
-        return min(started, layer_at_plates(self)) if self.count or not self.periodic[0] else started
+        between_cylinders = self.periodic[0] and all(isinstance(body.shape, Line) for body in self.bodies)
+        return started if between_cylinders else min(started, layer_at_plates(self))
+
+    def flow_rate(self, snapshot: Snapshot) -> dict[str, float]:
+        """Return the volume per time ``flow_rate`` through a cross-section without bodies, if there is one."""
+        place = open_place(self.bodies[: self.count], self.length, snapshot.t) if self.periodic[0] else None
+        if place is None:
+            return {}
+        low, height = self.section(np.array([place % self.length]))
+        area = float(np.pi * np.squeeze(height * (2.0 * low + height)))
+        return {"flow_rate": area * section_mean(self, snapshot, place)}
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
-        """Return forces along the axis and torques around it on bodies and walls, and kinetic energies."""
-        energies = zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True)
-        return {**self.loads(snapshot), **dict(energies), **self.spread(snapshot)}
+        """Return forces along the axis and torques around it on bodies and walls, kinetic energies and flow rate."""
+        energies = dict(zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True))
+        return {**self.loads(snapshot), **energies, **self.flow_rate(snapshot), **self.spread(snapshot)}
 
     def profiles(self) -> list[Profile]:
         """Return the velocities over the radius in the middle of the length."""
@@ -325,13 +331,9 @@ class Config(schema.Config):
                 return
             if wall and wall.velocity_before is not None:
                 yield f"walls.{name}.velocity_before", "must be left out: in a region the fluid is at rest at first"
-            if wall and wall.outline and self.axisymmetric:
-                text = "is for planar flow; around an axis walls are cylinders: leave it out"
-                yield f"walls.{name}.outline", f"{text}, and give a body of revolution, or the shape of walls.around"
-                return
-            plane = self.extent[1] if name == "top" else 0.0
-            if wall and wall.outline and any(y != plane for _, y in (wall.outline[0], wall.outline[-1])):
-                yield f"walls.{name}.outline", f"must begin and end at y = {plane:g}: the region is periodic along x"
+        if self.periodic[0] and (errors := list(outlined_wall_problems(self))):
+            yield from errors
+            return
         yield from _coordinate_problems(self)
         around = self.walls.around
         if around is not None and self.drive.acceleration:
@@ -339,8 +341,6 @@ class Config(schema.Config):
         if around is not None and (around.body().motion.x.largest_speed or around.body().motion.y.largest_speed):
             yield "walls.around.motion", "may only turn: give fixed, angular_velocity or angular_amplitude"
         bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))
-        if around is None and not self.axisymmetric:
-            yield from outlined_wall_problems(self, walls)
         walls = {f"walls.{name}": wall for name, wall in walls.items()}
         placed = list(bodies.values()) if self.axisymmetric else bodies_of(self, walls, self.origin)
         yield from cell_problems(self, placed, walls)
@@ -395,6 +395,6 @@ def _coordinate_problems(config: Config) -> Iterator[Problem]:
 def _walls(config: Any) -> dict[str, Body]:
     """Return the walls around the fluid by name."""
     if config.walls.around is None:
-        return plane_walls(config.geometry.length, config.geometry.height, config.walls)
+        return walls_along(config)
     body = config.walls.around.body()
     return {"around": replace(body, shape=replace(body.shape, fluid_side="inside"))}

@@ -10,10 +10,11 @@ from shapes import CLOSED, ELL, ellipse, wavy
 from typer.testing import CliRunner
 
 from tisph import cli
+from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
-from tisph.geometry.outline import Outline
+from tisph.geometry.outline import Outline, SmoothOutline
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.shape import centroid, polar_moment
 from tisph.geometry.spline import Spline
@@ -216,6 +217,55 @@ def test_an_outline_without_corners_is_a_line():
     one, other = wall.nearest(BOX), line.nearest(BOX)
     assert np.abs(one.point - other.point).max() < ROUNDING
     assert np.abs(one.distance - other.distance).max() < ROUNDING
+
+
+def cosine(count, ahead=0.0, places=None):
+    """Places on a wave of the period 2, ``count`` a period."""
+    x = np.linspace(0.0, 2.0, count + 1)[:places]
+    return np.stack([x, 1.0 + 0.2 * np.cos(np.pi * (x + ahead))], axis=1)
+
+
+def wave_error(wall):
+    places = wall.boundary_points(0.01).point
+    return np.abs(places[:, 1] - 1.0 - 0.2 * np.cos(np.pi * places[:, 0])).max()
+
+
+def test_a_smooth_wall_meets_a_wave_with_sixth_order():
+    """Periodic, and half of it between open ends, at which it is level."""
+    for half in (False, True):
+        errors = [wave_error(SmoothOutline(cosine(n, places=n // 2 + 1 if half else None), periodic=not half))
+                  for n in (12, 24, 48)]  # fmt: skip
+        assert errors[1] < errors[0] / 2**6
+        assert errors[2] < errors[1] / 2**6
+    wall = SmoothOutline(cosine(48), periodic=True)
+    assert wall.convex_radius == pytest.approx(1.0 / (0.2 * np.pi**2), rel=1e-4)
+
+
+PERIODIC = {
+    "smooth": [Body(SmoothOutline(cosine(48, ahead), periodic=True), periods=(2.0, math.inf)) for ahead in (0.0, 0.7)],
+    "corners": [
+        Body(Outline(corners, 0.2, periodic=True), periods=(2.0, math.inf))
+        for corners in (((0.0, 0.6), (1.0, 0.0), (2.0, 0.6)), ((0.0, 0.18), (0.3, 0.0), (1.3, 0.6), (2.0, 0.18)))
+    ],
+}
+
+
+@pytest.mark.parametrize("walls", PERIODIC.values(), ids=PERIODIC)
+def test_a_periodic_wall_does_not_depend_on_where_its_period_begins(walls):
+    """It is the same beside its ends, of a corner that it begins in, too; mirror images have opposite normals."""
+    places = RANDOM.uniform((0.0, -0.2), (2.0, 2.0), (300, 2))
+    one, other = walls[0].nearest(places), walls[1].nearest(places - [0.7, 0.0])
+    assert (one.distance < 0).any()
+    assert np.abs(one.distance - other.distance).max() < 1e-7  # the smooth ones are splines through other places
+    assert walls[0].shape.length == pytest.approx(walls[1].shape.length, rel=1e-8)
+    assert np.allclose(one.normal, -turned_over(walls[0]).nearest(places).normal, rtol=0, atol=1e-9)
+
+
+def turned_over(body):
+    """The same wall with the fluid on its other side."""
+    shape = body.shape
+    name = "points" if isinstance(shape, SmoothOutline) else "corners"
+    return replace(body, shape=replace(shape, **{name: getattr(shape, name)[::-1]}))
 
 
 def test_a_square_with_the_largest_radius_is_a_circle():

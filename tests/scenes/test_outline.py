@@ -31,9 +31,9 @@ runtime: {threads: 1}
 """
 
 
-def loaded(tmp_path, *changes):
+def loaded(tmp_path, *changes, text=STEP):
     path = tmp_path / "case.yaml"
-    path.write_text(STEP)
+    path.write_text(text)
     return load(path, changes)
 
 
@@ -64,8 +64,11 @@ def test_particles_fill_the_region_behind_a_step(tmp_path):
 
 
 @pytest.mark.parametrize(("change", "said"), [
-    ("ends=null", "walls.bottom.outline = "),
-    ("ends=null", "is only for a channel with open ends"),
+    ("ends=null", "both ends of a periodic wall must be at one height, not at y = 0 and 0.5"),
+    ("walls.bottom.smooth=true", "walls.bottom.corner_radius = 0.2: is not for a smooth wall"),
+    ("walls.bottom={outline: [[0, 0.5], [1, 0.5], [1, 0], [2, 0]], smooth: true}", "x must rise from place to place"),
+    ("walls.bottom={outline: [[0, 0], [0.9, 0], [1, 0.3], [2, 0]], smooth: true}", "outline = [[0.0, 0.0],"),
+    ("scheme.type=wcsph", "take auto or implicit"),
     ("walls.bottom.velocity=1.0", "walls.bottom.velocity = 1.0: is not for a wall with an outline: it is at rest"),
     ("walls.bottom.outline=null", "walls.bottom.corner_radius = 0.2: is only for a wall with an outline"),
     ("walls.bottom.corner_radius=null", "a corner of radius 0 has 0 spacings; it needs at least 2"),
@@ -84,9 +87,79 @@ def test_impossible_outlines_are_refused_in_words(tmp_path, change, said):
     assert said in str(refused.value)
 
 
-def test_a_periodic_channel_with_bodies_has_planes(tmp_path):
-    with pytest.raises(ConfigError, match="is only for a channel with open ends"):
-        loaded(tmp_path, "ends=null", "bodies=[{centre: [1.5, 0.5], radius: 0.25}]", "walls.top.velocity=1.0")
+WAVES = """\
+fluid: {density: 1.0, kinematic_viscosity: 1.0}
+drive: {acceleration: 1.0}
+discretisation: {particles_across: 12}
+time: {end: 0.1}
+runtime: {threads: 1}
+"""
+CHANNEL = WAVES + "scene: channel\ngeometry: {gap: 1.0, length: 2.0}\n"
+REGION = WAVES + "scene: region\ngeometry: {height: 1.0, length: 2.0}\n"
+WAVE = "walls.top={outline: [[0.0, 1.0], [0.5, 0.8], [1.0, 0.6], [1.5, 0.8], [2.0, 1.0]], smooth: true}"
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ("walls.top.outline=[[0, 1], [0.9, 0.9], [1, 0.6], [1.1, 0.9], [2, 1]]", "a bend of radius 0.0"),
+    ("walls.top.outline=[[0, 1], [1, 0.9], [2, 0.9]]", "must be at one height, not at y = 0.9 and 1"),
+    ("walls.top.smooth=null", "a corner of radius 0 has 0 spacings"),
+    ("walls.top.outline=null", "walls.top.smooth = true: is only for a wall with an outline"),
+    ("scheme.type=wcsph", "wcsph has no treatment of walls with outlines"),
+    ("walls.bottom={shear_stress: 1.0}", "with a wall that is no plane no stress can drive a wall"),
+    ("walls.bottom={times: [0, 1], velocities: [0, 1]}", "must be left out with a wall that is no plane"),
+    ("initial.state=developed", "no developed flow is known there"),
+    ("initial={state: exact, time: 1.0}", "with a wall that is no plane no exact flow is known"),
+    ("probes.count=5", "probes: must be left out"),
+    ("drive.acceleration=0.0", "nothing moves"),
+    ("geometry.gap=0.75", "must be within the box: y from 0 to 0.75"),
+])  # fmt: skip
+def test_a_channel_with_waves_is_refused_what_needs_planes(tmp_path, change, said):
+    with pytest.raises(ConfigError) as refused:
+        loaded(tmp_path, WAVE, change, text=CHANNEL)
+    assert said in str(refused.value)
+
+
+def test_waves_of_a_channel_and_of_a_region_are_one_flow(tmp_path):
+    """The area between a wave and a plane, the throat as the narrowest gap, and no stress of a suspension."""
+    channel, region = (scenes.of(loaded(tmp_path, WAVE, text=text)) for text in (CHANNEL, REGION))
+    assert channel.bodies == region.bodies
+    assert channel.region.area == pytest.approx(1.6, rel=1e-3)  # four places make a wave to 3e-3 of its height
+    assert channel.particles == round(channel.region.area / channel.spacing**2)
+    assert dict(channel.parameters())["narrowest gap"].startswith("0.6 m")
+    moving = "drive.acceleration=0.0", "walls.bottom.velocity=1.0"
+    body = "bodies=[{centre: [0.0, 0.4], radius: 0.22, motion: free}]"
+    sheared = scenes.of(loaded(tmp_path, WAVE, body, *moving, text=CHANNEL))
+    assert sheared.has_free_bodies
+    assert sheared.mean_stress_names == ()
+
+
+@pytest.mark.parametrize("kind", ["corner_radius: 0.2", "smooth: true"])
+def test_a_straight_outline_is_the_plane_wall(tmp_path, kind):
+    """Particles at the start, points on walls, distances and planes, to rounding."""
+    straight = f"walls.top={{outline: [[0.0, 1.0], [0.9, 1.0], [2.0, 1.0]], {kind}}}"
+    scene, outlined = (scenes.of(loaded(tmp_path, *changes, text=REGION)) for changes in ((), (straight,)))
+    one, other = (np.stack(each.jittered(1, 0.1), axis=1) for each in (scene, outlined))
+    assert np.abs(one - other).max() < 1e-10
+    planes, curves = (WallPoints(each.bodies, each.spacing, (0.0, 0.0)) for each in (scene, outlined))
+    for plane, curve in zip(planes.nearest_walls(one, 0.0), curves.nearest_walls(one, 0.0), strict=True):
+        assert np.abs(plane - curve).max() < 1e-10
+    assert np.abs(planes.at(0.0)[0] - curves.at(0.0)[0]).max() < 1e-10
+
+
+def test_a_wavy_pipe_has_the_volume_and_the_sections_of_its_walls(tmp_path):
+    """Cosines through 24 places, of an inner and an outer wall."""
+    x = np.linspace(0.0, 2.0, 25)
+    wave = 0.15 * (1.0 - np.cos(np.pi * x))
+    outer, inner = (np.stack([x, y], axis=1).round(12).tolist() for y in (1.5 - wave, 0.5 + 0.5 * wave))
+    walls = f"walls={{top: {{outline: {outer}, smooth: true}}, bottom: {{outline: {inner}, smooth: true}}}}"
+    around = "coordinates=axisymmetric", "geometry.inner_radius=0.5"
+    scene = scenes.of(loaded(tmp_path, *around, walls, text=REGION))
+    assert scene.region.area == pytest.approx(2.0 * (1.0 - 0.15 - 0.075), rel=1e-6)
+    low, height = scene.section(np.array([0.0, 0.5, 1.0]))
+    assert low == pytest.approx([0.5, 0.575, 0.65], abs=1e-6)
+    assert height == pytest.approx([1.0, 0.775, 0.55], abs=1e-6)
+    with pytest.raises(ConfigError, match=r"is the axis where geometry\.inner_radius is 0"):
+        loaded(tmp_path, around[0], "geometry.height=1.5", walls, text=REGION)
 
 
 def test_files_for_paraview_have_the_outline_as_a_line(tmp_path):

@@ -31,9 +31,9 @@ LEVEL = 1e-12
 
 def _check_periodic(places: np.ndarray) -> None:
     """Raise ValueError where the last of the ``places`` (k, 2) is not as high as the first."""
-    first, last = places[[0, -1], 1].tolist()
-    if abs(last - first) > LEVEL * np.ptp(places[:, 0]):
-        raise ValueError(f"a periodic wall must end as high as it begins, at y = {first:g}, not {last:g}")
+    low, high = sorted(places[[0, -1], 1].tolist())
+    if high - low > LEVEL * np.ptp(places[:, 0]):
+        raise ValueError(f"both ends of a periodic wall must be at one height, not at y = {low:g} and {high:g}")
 
 
 class EndToEnd(Shape):

@@ -82,7 +82,7 @@ output: {{video: null}}
 
 
 @pytest.mark.taichi
-def test_creeping_flow_through_a_constriction_has_the_flow_rate_of_a_spectral_method(tmp_path):
+def test_creeping_flow_through_a_constriction_is_that_of_a_spectral_method(tmp_path):
     """The wall bears the whole pressure gradient."""
     simulation = at_end(tmp_path, pipe(0, 16, 1e-4))
     scene, snapshot = simulation.scene, simulation.scheme.snapshot()

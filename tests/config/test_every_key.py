@@ -438,7 +438,6 @@ REFUSALS = [
     ("region: first", "scheme.type", "wcsph", "no wall treatment for scene region"),
     ("region: first", "walls.top.velocity_before", 0.5, "the fluid is at rest at first"),
     ("region: first", "contact.distance", 0.3, "give one the motion free, or leave it out"),
-    ("region: around an axis", "walls.bottom.outline", [[0, 0], [1, 0.1], [2, 0]], "is the axis"),
     ("region: outlines", "walls.top.outline", [[0, 1], [2, 0.8]], "both ends of a periodic wall must be at one height"),
     ("channel: stream", "initial.jitter", 0.2, "0.3 to 0.5 with open ends"),
 ]

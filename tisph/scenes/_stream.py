@@ -25,7 +25,7 @@ from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
-from tisph.scenes._cell_flow import LOADS
+from tisph.scenes._cell_flow import LOADS, PLACES, VELOCITY
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 
@@ -264,10 +264,10 @@ class Stream(Cell):
 
     @property
     def flow_quantities(self) -> tuple[str, ...]:
-        """Loads on bodies, the pressure drop, and where the flow along a stepped wall separates and reattaches."""
-        loads = [f"{kind}{name}" for name in self.names[: self.count] for kind in LOADS]
+        """Loads on bodies, motions of free ones, the pressure drop, where flow separates at a step and reattaches."""
+        moved = [name for name in super().flow_quantities if name != VELOCITY]
         places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
-        return (*loads, *(["pressure_drop"] if not self._jumps else []), *places)
+        return (*moved, *(["pressure_drop"] if not self._jumps else []), *places)
 
     def thinnest_layer(self, t: float) -> tuple[float, str]:
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
@@ -313,7 +313,7 @@ class Stream(Cell):
         return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
-        """Return ``loads``, their coefficients, flow rates, pressures and ``planar_diagnostics`` by name.
+        """Return ``free_motions``, ``loads``, their coefficients, flow rates, pressures and ``planar_diagnostics``.
 
         ``drag_coefficient`` and ``lift_coefficient``: 2 F/(density U^2 d) with the reference velocity U and the
         height d of the body. ``pressure_difference``: at the first point of a body along x minus at the last.
@@ -323,8 +323,9 @@ class Stream(Cell):
         changes its direction from forwards to back, and from back to forwards.
         """
         loads, flows = self.loads(snapshot), self.velocities(snapshot)
-        found: dict[str, Any] = {**loads, **flows}
-        for name, body in zip(self.names[: self.count], self.bodies, strict=False):
+        found: dict[str, Any] = {**self.free_motions(snapshot), **loads, **flows}
+        seen: Any = self.seen(snapshot)
+        for name, body in zip(self.names[: self.count], seen.bodies, strict=False):
             pressure = self.density * self.reference_velocity**2 * float(np.ptp(body.shape.extent[:, 1])) / 2.0
             for kind in LOADS[:2]:
                 load = loads[f"{kind}{name}"]
@@ -386,10 +387,15 @@ class Stream(Cell):
         return [replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0], scale=scale), v]
 
     def time_series(self) -> TimeSeries:
-        """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop, if finite."""
+        """Return forces on the bodies, or on the walls without bodies, flow rates and the pressure drop, if finite.
+
+        Also places and velocities of few free bodies, or only means of many.
+        """
         walls = [] if self._jumps else [name for name, _ in self._walls]
         chosen = self.names[: self.count] or walls
-        forces = [f"{kind}{name}" for name in chosen for kind in LOADS[:2]]
+        forces = [] if self._means_only else [(kind, name) for name in chosen for kind in LOADS[:2]]
+        followed = [*forces, *self._motion_columns]
+        numbers = [f"{kind}{name}" for kind, name in followed]
         force, speed = self.force_scale, self.reference_velocity
         through = speed * self.inlet.shape.length, "flow rate per length", "planar_flow_rate"
         flows = {"inflow": through, "outflow": through}
@@ -397,26 +403,28 @@ class Stream(Cell):
             flows["pressure_drop"] = self.density * speed**2, "pressure drop", "stress"
 
         def measure(snapshot: Snapshot) -> np.ndarray:
-            found = {**self.loads(snapshot), **self.velocities(snapshot)}
-            return np.array([np.nan if found[name] is None else found[name] for name in (*forces, *flows)])
+            found = {**self.loads(snapshot), **self.free_motions(snapshot), **self.velocities(snapshot)}
+            return np.array([np.nan if found[name] is None else found[name] for name in (*numbers, *flows)])
+
+        sizes = {**dict.fromkeys(LOADS, force), **self._motion_sizes}
+        panels = {kind: (f"{kind} per length", "force") for kind in LOADS}
+        panels = self._motion_panels if self.has_free_bodies else panels
 
         return TimeSeries(
             content="forces of the fluid on bodies, flow rates and the pressure drop, over time t",
             name="force per length",
             unit="force",
             scale=force,
-            columns=[*forces, *flows],
-            labels=[*((name.replace("_", " "), None) for name in (*forces, *flows))],
+            columns=[*numbers, *flows],
+            labels=[*((name.replace("_", " "), None) for name in (*numbers, *flows))],
             measure=measure,
-            sizes=[*(force for _ in forces), *(size for size, _, _ in flows.values())],
-            panels=[
-                *((f"{name.partition('_')[0]} per length", "force") for name in forces),
-                *((name, unit) for _, name, unit in flows.values()),
-            ],
+            sizes=[*(sizes[kind] for kind, _ in followed), *(size for size, _, _ in flows.values())],
+            panels=[*(panels.get(kind) for kind, _ in followed), *((name, unit) for _, name, unit in flows.values())],
+            drifting=[f"{kind}{name}" for kind, name in followed if kind in PLACES],
         )
 
     def movie_series(self) -> TimeSeries:
-        """Return forces on the bodies; without bodies the flow rates."""
+        """Return forces on the bodies, or how free ones move; without bodies the flow rates."""
         flows = ("inflow", "outflow"), "flow rate per length", "planar_flow_rate"
         return super().movie_series() if self.count else self.time_series().only(*flows)
 

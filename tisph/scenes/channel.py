@@ -472,11 +472,6 @@ def _problems_with_ends(config: Config) -> Iterator[Problem]:
         wall = getattr(config.walls, side)
         if wall.velocity or wall.amplitude or wall.velocities or wall.stress_controlled:
             yield f"walls.{side}", "must be at rest: with open ends no wall moves yet"
-    if config.has_free_bodies:
-        listed = config.bodies if isinstance(config.bodies, tuple) else ()
-        free = [f".{index}" for index, body in enumerate(listed) if body.motion == "free"]
-        text = "must not be free: a channel with open ends has no free bodies yet"
-        yield from ((f"bodies{place}.motion", text) for place in free or [""])
     if config.drive.acceleration:
         yield "drive.acceleration", "must be 0: the inlet drives the flow"
     if 0.0 < config.initial.jitter < JITTER:

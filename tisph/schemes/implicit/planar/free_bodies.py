@@ -35,6 +35,8 @@ from typing import Any
 
 import numpy as np
 
+from tisph.errors import DivergedError
+from tisph.geometry.ends import OpenEnd
 from tisph.numerics.stokes import Unknowns, WallRows
 from tisph.runtime import real, scalar, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
@@ -88,7 +90,9 @@ class Contact:
         self.pairs = [
             (first, second)
             for first, second in itertools.permutations(range(len(bodies)), 2)
-            if bodies[first].free and bodies[first].shape.fluid_side == "outside"
+            if bodies[first].free
+            and bodies[first].shape.fluid_side == "outside"
+            and not isinstance(bodies[second], OpenEnd)
             if first < second or not bodies[second].free
         ]
         self.in_fluid = np.array([bool(body.shape.area) and body.shape.fluid_side == "outside" for body in bodies])
@@ -352,6 +356,8 @@ class FreeBodyPart(BoundaryPart):
     def __init__(self, boundary: WallBoundary) -> None:
         self.boundary, self.problem, self.points = boundary, boundary.problem, boundary.points
         self.bodies, self.slots = FreeBodies(self.problem), boundary.slots
+        bodies = boundary.walls.bodies
+        self.free, self.ends = [bodies[number] for number in self.bodies.index], boundary.walls.ends
         self.continued = ti.field(real(), self.points.capacity)
         self.narrow = ti.field(ti.i32, self.points.capacity)
         self.per_spacing = scalar(1.0 / self.problem.spacing)
@@ -368,6 +374,15 @@ class FreeBodyPart(BoundaryPart):
         """Begin the step of the bodies with extrapolated velocities; return whether none of them overlap."""
         self.bodies.prepare(weights, dt, time)
         return not self.bodies.overlap
+
+    def accept(self, time: float) -> None:
+        """Raise DivergedError where a body has come to an open end, at ``time``."""
+        for body, end in itertools.product(self.free, self.ends):
+            away = float(end.nearest(body.at(time).centre[None]).distance[0]) - body.bounding_radius
+            if away < NARROW * self.problem.spacing:
+                name, place = type(end).__name__.lower(), body.at(time).centre
+                text = f"x: a free body at ({place[0]:.4g}, {place[1]:.4g}) reaches the {name} at t = {time:.4g}"
+                raise DivergedError(f"{text}: let the run end before, or make the channel longer")
 
     def forget(self) -> None:
         """Forget velocities of earlier times."""

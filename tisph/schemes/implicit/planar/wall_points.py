@@ -58,8 +58,8 @@ class WallPoints:
     """Points on the walls of ``bodies``; positions are in the box of a problem, its lowest corner ``origin``.
 
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
-    ``solid`` (count,): whether a point is on a wall, and not on an open end. ``kinds``: the bodies but outlets, and the
-    outlets.
+    ``solid`` (count,): whether a point is on a wall, and not on an open end. ``ends``: the open ends among
+    the bodies. ``kinds``: the bodies but outlets, and the outlets.
     """
 
     across_axis = False
@@ -76,6 +76,7 @@ class WallPoints:
             for body, each in zip(bodies, self.outlines, strict=True)
         ]
         self.solid = np.concatenate(solid)
+        self.ends = [body for body in bodies if isinstance(body, OpenEnd)]
         self.kinds = [[body for body in bodies if isinstance(body, Outlet) == kind] for kind in (False, True)]
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self._kept_time = math.nan

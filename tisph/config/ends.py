@@ -1,4 +1,4 @@
-"""Keys of open ends: an inlet with a velocity and a profile, and an outlet."""
+"""Keys of open ends: an inlet with a velocity and a profile, and an outlet, or two ends with given pressures."""
 
 from typing import Annotated, Any, Literal
 
@@ -39,7 +39,9 @@ MOTION_KEYS = ("velocity", "amplitude", "angular_frequency", "phase", "times", "
 
 
 class End(Model):
-    """An inlet, whose velocity is given, or an outlet, where nu du/dn = p n: a developed flow leaves it unchanged.
+    """An inlet, whose velocity is given, or an outlet, whose ``pressure`` is, 0 unless given: nu du/dn = p n.
+
+    A developed flow leaves an outlet unchanged, and enters one if its pressure is the higher one of two.
 
     Fluid enters an inlet with the mean ``velocity`` + ``amplitude`` * cos or sin (``phase``) of w t [length/time], or
     with the mean ``velocities`` at ``times``, linear in between and constant before and after. Its ``profile`` is the
@@ -47,7 +49,7 @@ class End(Model):
     profile is scaled by it; developed flow of a Newtonian fluid that oscillates has the exact profile at each time.
     """
 
-    unset_keys = (*MOTION_KEYS, "profile")
+    unset_keys = (*MOTION_KEYS, "profile", "pressure")
 
     type: Literal["inlet", "outlet"]
     velocity: NonNegative | None = None
@@ -57,6 +59,7 @@ class End(Model):
     times: Times | None = None
     velocities: Values | None = None
     profile: Profile | None = None
+    pressure: Signed | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -65,13 +68,16 @@ class End(Model):
             return data
         usual = {"phase": "cos"} if data.get("amplitude") is not None else {}
         usual |= {"profile": "developed"} if data.get("type") == "inlet" else {}
+        usual |= {"type": "outlet"} if data.get("pressure") is not None else {}
         return {**data, **{key: value for key, value in usual.items() if data.get(key) is None}}
 
     @model_validator(mode="after")
     def _check_motion(self) -> "End":
         if self.type == "outlet":
-            refuse(findings(self, self.unset_keys, "is only for an inlet"))
-        elif self.velocities is not None:
+            refuse(findings(self, self.unset_keys[:-1], "is only for an inlet"))
+            return self
+        refuse(findings(self, ("pressure",), "is only for an outlet: the flow decides the pressure of an inlet"))
+        if self.velocities is not None:
             refuse(findings(self, MOTION_KEYS[:4], "is not for an inlet with velocities at times"))
             check_as_many(self, "velocities")
             if list(self.times or ()) != sorted(set(self.times or ())):
@@ -98,20 +104,33 @@ class End(Model):
 
 
 class Ends(Model):
-    """Ends of a channel at x = 0 (``left``) and x = length (``right``): one inlet and one outlet."""
+    """Ends of a channel at x = 0 (``left``) and x = length (``right``): an inlet and an outlet, or two outlets.
+
+    The pressures of two outlets drive the flow.
+    """
 
     left: End
     right: End
 
     @model_validator(mode="after")
     def _check_one_of_each(self) -> "Ends":
-        if self.left.type == self.right.type:
-            other = "outlet" if self.left.type == "inlet" else "inlet"
-            text = f"must be {other}, with an {self.left.type} on the left"
-            raise refusals([(("right", "type"), text, self.right.type)])
+        if self.left.type == self.right.type == "inlet":
+            raise refusals([(("right", "type"), "must be outlet, with an inlet on the left", self.right.type)])
+        if self.inlet is None and not self.pressure_drop:
+            text = "must be another one than on the left, or the other end an inlet: nothing drives the flow"
+            raise refusals([(("right", "pressure"), text, self.right.pressure or 0.0)])
+        if self.inlet and (self.left.pressure or self.right.pressure):
+            side = "left" if self.left.pressure else "right"
+            text = "must be 0 with an inlet, whose pressure is relative to it: leave it out"
+            raise refusals([((side, "pressure"), text, self.left.pressure or self.right.pressure)])
         return self
 
     @property
-    def inlet(self) -> End:
-        """The end that is the inlet."""
-        return self.left if self.left.type == "inlet" else self.right
+    def pressure_drop(self) -> float:
+        """Pressure of the left end minus that of the right one."""
+        return (self.left.pressure or 0.0) - (self.right.pressure or 0.0)
+
+    @property
+    def inlet(self) -> Any:
+        """The end that is the inlet, None between two outlets."""
+        return next((end for end in (self.left, self.right) if end.type == "inlet"), None)

@@ -51,7 +51,6 @@ HINTS = {
     "walls.type": "walls have no type: the fluid has their velocity, or slips with slip_length in a plain channel",
     "ends.max_velocity": "velocity is the mean over the inlet, 2/3 of the largest between plane walls",
     "ends.flow_rate": "velocity is the mean over the inlet: the flow rate over its width",
-    "ends.pressure": "no pressure is given at ends: an inlet has a velocity, at an outlet no stress acts on the fluid",
     "drive.pressure": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
     "drive.flow_rate": "no flow rate is given: in slow flow it is proportional to drive.acceleration",
 }

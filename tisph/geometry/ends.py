@@ -68,7 +68,12 @@ class Inlet(OpenEnd):
 
 @dataclass(frozen=True, kw_only=True)
 class Outlet(OpenEnd):
-    """An end with nu du/dn = p n, and no condition on the profile."""
+    """An end with nu du/dn = (p - ``pressure`` / density) n, and no condition on the profile.
+
+    Fluid leaves there, or enters if the pressure drives it.
+    """
+
+    pressure: float = 0.0
 
 
 @dataclass(frozen=True)

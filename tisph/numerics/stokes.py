@@ -205,15 +205,15 @@ class StokesSolver:
         divergence: np.ndarray,
         others: Unknowns,
         allowed: float,
-        outlet_stress: np.ndarray,
+        outlet_pressure: np.ndarray,
     ) -> tuple[bool, np.ndarray]:
         """Solve for ``velocity`` (points, components) and ``pressure`` (points,), in place; return if it was, and X.
 
         ``velocity`` on walls is known but for the part of ``others``, by their guess. ``force`` f (points, components).
         ``divergence`` (fluid,) that stays in gaps that close. ``allowed``: root mean square error of the velocities.
-        ``outlet_stress``: S_yy at the outlet.
+        ``outlet_pressure``: p - nu du/dx at outlets.
         """
-        self.outlet_stress = outlet_stress
+        self.outlet_pressure = outlet_pressure
         fluid, count = self.fluid, self.fluid * self.components
         self.others, self.force, self.divergence = others, np.ascontiguousarray(force.T), divergence
         self.given = velocity[fluid:].T - self.of_walls(others.guess)
@@ -241,7 +241,7 @@ class StokesSolver:
         pressure = unknowns[count : count + self.n]
         if len(self.rows.outlet):
             change = self.complete(velocity)
-            pressure[self.last :] = self.viscosity[self.last :] * change + given * self.outlet_stress
+            pressure[self.last :] = self.viscosity[self.last :] * change + given * self.outlet_pressure
         return velocity, pressure, others
 
     def residual(self, unknowns: np.ndarray, given: float) -> np.ndarray:

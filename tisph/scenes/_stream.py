@@ -162,6 +162,8 @@ def profile_of(config: Any, low: float, high: float) -> InletProfile:
 
 def profile_problems(config: Any) -> Iterator[Problem]:
     """Yield the error in the profile of the inlet of a ``config``, if there is one."""
+    if not config.ends.inlet:
+        return
     side = "left" if config.ends.inlet is config.ends.left else "right"
     given, (low, high) = config.ends.inlet.profile, heights_at(config, side)
     width, key = high - low, f"ends.{side}.profile"
@@ -444,3 +446,72 @@ class Stream(Cell):
         if not self.given_velocity and self.velocity_scale == self.inlet.course.largest_speed:
             return True, "the mean velocity through the inlet"
         return super()._cause()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressureStream(Stream):
+    """Flow through a channel that the pressures of its ends drive: of the last two ``bodies``, the first is higher."""
+
+    @classmethod
+    def from_config(cls, config: Any) -> "Cell":
+        """Return the scene that a validated config describes."""
+        from tisph.scenes.channel import DevelopedFlow
+
+        length, gap = config.geometry.length, config.geometry.gap
+        walls = plane_walls(length, gap, config.walls)
+        pressures = {side: getattr(config.ends, side).pressure or 0.0 for side in ("left", "right")}
+        places = end_lines(config)
+        ends = {
+            side: Outlet(shape=places[side], pressure=pressures[side])
+            for side in sorted(pressures, key=lambda side: -pressures[side])
+        }
+        bodies = bodies_of(config, {**walls, **ends})
+        curvature = config.ends.pressure_drop / length / (2.0 * config.fluid.density * config.kinematic_viscosity)
+        developed = DevelopedFlow(gap, 0.0, 0.0, curvature) if config.initial.state == "developed" else None
+        return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
+
+    @property
+    def inlet(self) -> Any:
+        """The end with the higher pressure."""
+        return self.bodies[-2]
+
+    @property
+    def driven_wall(self) -> float:
+        """Speed of the fastest body, or the mean velocity of developed flow; at most that which inertia allows."""
+        one, other = self.bodies[-2:]
+        drop, width = one.pressure - other.pressure, self.inlet.shape.length  # type: ignore[attr-defined]
+        viscous = drop / self.size[0] * width**2 / (12.0 * self.dynamic_viscosity)
+        return max(Cell.driven_wall.fget(self), min(viscous, math.sqrt(2.0 * drop / self.density)))  # type: ignore[attr-defined]
+
+    @property
+    def jump_times(self) -> tuple[float, ...]:
+        """None: the pressures are constant."""
+        return ()
+
+    @property
+    def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
+        """See ``Scene.drive_shown``."""
+        one, other = self.bodies[-2:]
+        drop = one.pressure - other.pressure  # type: ignore[attr-defined]
+        return "pressure drop", "stress", (float(drop * self.inlet.shape.normal[0]), 0.0)
+
+    @property
+    def _constant(self) -> bool:
+        return True
+
+    @property
+    def _jumps(self) -> bool:
+        return False
+
+    def profiles(self) -> list[Profile]:
+        """Return both components of the velocity across the middle."""
+        return Cell.profiles(self)
+
+    def parameters(self) -> list[tuple[str, str]]:
+        """Return pairs (label, text) that describe the flow, independent of particles."""
+        values = [f"{body.pressure:.6g}" for body in self.bodies[-2:]]  # type: ignore[attr-defined]
+        unit = f"{self.units.mass}/({self.units.length} {self.units.time}^2)"
+        return [*Cell.parameters(self), ("ends", f"pressures {values[0]} and {values[1]} {unit}")]
+
+    def _cause(self) -> tuple[bool, str]:
+        return Cell._cause(self)

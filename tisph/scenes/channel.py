@@ -245,7 +245,7 @@ class Config(schema.Config):
     @property
     def singular(self) -> bool:
         """Whether the velocity of the inlet jumps at walls."""
-        return self.ends is not None and self.ends.inlet.jumps_at_walls
+        return self.ends is not None and self.ends.inlet is not None and self.ends.inlet.jumps_at_walls
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -311,9 +311,9 @@ class Scene:
         if config.parallel:
             return Channel.from_config(config)
         if config.ends:
-            from tisph.scenes._stream import Stream
+            from tisph.scenes._stream import PressureStream, Stream
 
-            return Stream.from_config(config)
+            return (Stream if config.ends.inlet else PressureStream).from_config(config)
         from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
 
         walls = walls_along(config)

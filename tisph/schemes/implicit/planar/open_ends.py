@@ -9,8 +9,11 @@ derivative of v along the outlet, of the last outer iteration,
 the pressure's values first, and the normal derivatives as equations of the velocities' system. S_yy, of a polymer, is
 there since with p - S_yy constant across the outlet a developed flow leaves it as it came.
 
+Two outlets with different pressures drive the fluid as well; p - nu g - S_yy is then the given pressure of each.
+
 The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
-step: at the outlet from the particles near it, at the inlet the given velocities, and v of the fluid in front of it.
+step: at an outlet from the particles near it (where fluid enters, as if it had been parallel), at the inlet the given
+velocities, and v of the fluid in front of it.
 
 Particles that flow out leave ``LEAST_DISTANCE`` in front of an end. As the fluid is incompressible and its region does
 not change, as much flows in, and each particle enters again: at the point of an end where the inflow since the last one
@@ -21,13 +24,13 @@ slow one near a wall leaves a void behind it for long.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd
+from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
 from tisph.numerics.stokes import WallRows
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
@@ -58,6 +61,16 @@ DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30}
 of points around them. With degree 4 the outlet, to which they extrapolate, would be unstable."""
 
 
+PARALLEL = [(0, power) for power in range(6)]
+"""Powers of x and y at an outlet through which fluid enters: upstream it has been parallel, as in front of an inlet.
+With polynomials in x as well, start-up flow of an Oldroyd-B fluid between two pressures becomes unstable."""
+
+
+def powers_up_to(degree: int) -> list[tuple[int, int]]:
+    """Return the powers of x and y of all polynomials up to a ``degree``."""
+    return [(a, b) for a in range(degree + 1) for b in range(degree + 1 - a)]
+
+
 def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
     """Return factors (n, points) of values at points in the first coefficient of n least-squares fits.
 
@@ -70,7 +83,7 @@ def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
 
 @ti.data_oriented
 class OpenEnds(BoundaryPart):
-    """The ``BoundaryPart`` of open ends; the ``Outlet`` is the last body, the inlet the one before.
+    """The ``BoundaryPart`` of open ends, an inlet and an outlet or two outlets: the last bodies, in this order.
 
     ``of_outlet`` and ``of_inlets``: indices of their points among those on walls. ``divergence`` (fluid,): divergence
     of the newest velocities, by the operators at the end of the present step. ``passages`` (fluid,): how often a
@@ -84,9 +97,14 @@ class OpenEnds(BoundaryPart):
         self.levels, self.points, self.operators = boundary.levels, boundary.points, boundary.operators
         self.extra_stress, self.shift, problem, walls = boundary.extra_stress, boundary.shift, self.problem, self.walls
         kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]
-        self.of_outlet = kinds[-1][1]
-        self.of_inlets = np.concatenate([part for body, part in kinds if isinstance(body, Inlet)])
         self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
+        self.outlets = [(body, part) for body, part in kinds if isinstance(body, Outlet)]
+        inlets = [part for body, part in kinds if isinstance(body, Inlet)]
+        self.of_outlet = np.concatenate([part for _, part in self.outlets])
+        self.of_inlets = np.concatenate([np.empty(0, dtype=int), *inlets])
+        pressures = [np.full(len(part), body.pressure / problem.density) for body, part in self.outlets]
+        self.given_pressure = np.concatenate(pressures)
+        self.pressure_gradient = float(np.ptp(self.given_pressure) / np.ptp(problem.open_ends))
         self.first = problem.n_fluid + self.of_outlet[0]
         self.outlet = integer(self.first)
         self.outflows: list[list[float]] = []
@@ -97,10 +115,11 @@ class OpenEnds(BoundaryPart):
         self.divergence = self.points.field(real())
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
-        """Return the control of the flow rate, but where the flow is too viscous for it."""
+        """Return the control of the flow rate, where an inlet gives that and the flow is not too viscous for it."""
         problem = self.problem
         swift = problem.reference_velocity * problem.spacing >= LEAST_REYNOLDS * problem.kinematic_viscosity
-        return [FlowRateControl(problem, self.boundary, self)] if swift and not slow else []
+        known = len(self.outlets) < len(self.ends) and swift and not slow
+        return [FlowRateControl(problem, self.boundary, self)] if known else []
 
     @property
     def carried_fields(self) -> tuple[Any, ...]:
@@ -154,7 +173,7 @@ class OpenEnds(BoundaryPart):
         support = self.boundary.support * spacing * view(self.operators.support_factor)[chosen]
         x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
         weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
-        powers = [(a, b) for a in range(DEGREE + 1) for b in range(DEGREE + 1 - a) if (a, b) != (1, 0)]
+        powers = [power for power in powers_up_to(DEGREE) if power != (1, 0)]
         rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
         self.outlet_slope = support * (rows * x).sum(axis=1) / spacing**2
         view(self.operators.laplacian)[entries[listed]] = rows[listed] / spacing**2
@@ -181,9 +200,11 @@ class OpenEnds(BoundaryPart):
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
-        outlet = np.arange(self.first, self.problem.particles)
-        place = self.boundary.positions[: self.problem.n_fluid]
-        self.take_levels(outlet, self.walls.at(time)[0][self.of_outlet], np.arange(len(place)), place, OUTLET_DEGREE)
+        place, points = self.boundary.positions[: self.problem.n_fluid], self.walls.at(time)[0]
+        for number, (_, part) in enumerate(self.outlets):
+            enters = bool(self.outflows) and len(self.outlets) > 1 and self.outflows[0][number] < 0.0
+            slots, powers = self.problem.n_fluid + part, PARALLEL if enters else powers_up_to(OUTLET_DEGREE)
+            self.take_levels(slots, points[part], np.arange(len(place)), place, powers, AROUND[OUTLET_DEGREE])
         self.exchange(dt, time)
         return True
 
@@ -192,7 +213,7 @@ class OpenEnds(BoundaryPart):
         chosen = np.arange(self.first, self.problem.particles)
         change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
         viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
-        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_stress()
+        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_pressure()
         rows = self.outlet_slope * (viscosities / viscosity if viscosity else 1.0)
         right = np.zeros((len(chosen), self.levels.components))
         right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
@@ -238,11 +259,11 @@ class OpenEnds(BoundaryPart):
             result += self.levels.step_weights[level] * self.levels.carried(level, i)
         return result
 
-    def outlet_stress(self) -> np.ndarray:
-        """Return the normal stress S_yy (points,) of a polymer at the points of the outlet."""
+    def outlet_pressure(self) -> np.ndarray:
+        """Return the given pressure and the normal stress S_yy (points,) of a polymer at the points of outlets."""
         if not self.problem.carries_stress:
-            return np.zeros(len(self.of_outlet))
-        return self.extra_stress.present_wall_stress()[2, self.of_outlet]
+            return self.given_pressure
+        return self.given_pressure + self.extra_stress.present_wall_stress()[2, self.of_outlet]
 
     def stokes_rows(self, rows: WallRows) -> WallRows:
         """Return the ``rows`` of the points in a ``StokesSolver`` with those of the outlet."""
@@ -266,7 +287,8 @@ class OpenEnds(BoundaryPart):
 
         The force on the inlet is the pressure there, and so the pressure drop, times the width.
         """
-        return [*groups, [len(self.walls.bodies) - 2]]
+        inlets = [number for number, body in enumerate(self.walls.bodies) if isinstance(body, Inlet)]
+        return [*groups, inlets] if inlets else groups
 
     def residual(self, least: float) -> float:
         """Return the largest residual of the parts of the channel: faults at an end count, however long the channel."""
@@ -276,23 +298,29 @@ class OpenEnds(BoundaryPart):
 
     def seen(self, time: float, weights: TimeWeights, offset: float) -> Mapping[str, Any]:
         """Return the numbers of a ``Snapshot`` about open ends, by name."""
-        inlet = self.walls.bodies[-2]
         level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
-        outflow, backflow = level_weights @ np.array(self.outflows)
-        rates = np.array([float(inlet.course.velocity(time)) * inlet.shape.length, -outflow])
+        *outflows, backflow = level_weights @ np.array(self.outflows)
+        inlets = [body for body, _ in self.ends if isinstance(body, Inlet)]
+        inflows = [float(inlet.course.velocity(time)) * inlet.shape.length for inlet in inlets]
+        rates = np.array([*inflows, *np.negative(outflows)])
         return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages.copy()}
 
     def measure_outflow(self) -> None:
-        """Store the flow rate out of the outlet, the integral of a cubic spline, and the largest backflow."""
+        """Store the flow rates out of the outlets, integrals of cubic splines, and the largest backflow.
+
+        It is against the flow rate of an outlet.
+        """
         from scipy.interpolate import CubicSpline
 
-        outlet = self.walls.bodies[-1]
-        speed = -(self.outlet_velocity[:, :2] @ outlet.shape.normal)
-        along = np.cumsum(self.walls.length[self.of_outlet]) - 0.5 * self.walls.length[self.of_outlet]
-        width = outlet.shape.length
-        curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
-        levels = [float(curve.integrate(0.0, width)), float(-speed.min())]
-        self.outflows = [levels, *self.outflows][:LOAD_LEVELS]
+        flows, back = [], -math.inf
+        for outlet, part in self.outlets:
+            own = self.outlet_velocity[part - self.of_outlet[0]]
+            speed, width = -(own[:, :2] @ outlet.shape.normal), outlet.shape.length
+            along = np.cumsum(self.walls.length[part]) - 0.5 * self.walls.length[part]
+            curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
+            flows.append(float(curve.integrate(0.0, width)))
+            back = max(back, float((-speed if flows[-1] >= 0.0 or len(self.outlets) == 1 else speed).max()))
+        self.outflows = [[*flows, back], *self.outflows][:LOAD_LEVELS]
 
     def measure_parts(self) -> None:
         """Sum the squares of divergence and gradient in the parts of the channel."""
@@ -344,7 +372,7 @@ class OpenEnds(BoundaryPart):
         self.replaced = slots, [view(field)[slots] for field in self.carried_fields], self.due
         self.due = due
         if len(slots):
-            self.take_levels(slots, places, sources, place[sources], DEGREE)
+            self.take_levels(slots, places, sources, place[sources], powers_up_to(DEGREE), AROUND[DEGREE])
             view(self.points.position)[slots] = places
 
     def roomiest(self, ends: np.ndarray, normals: np.ndarray, others: np.ndarray, time: float) -> np.ndarray:
@@ -364,21 +392,27 @@ class OpenEnds(BoundaryPart):
         return others[len(others) - len(ends) :]
 
     def take_levels(
-        self, slots: np.ndarray, places: np.ndarray, sources: np.ndarray, of_sources: np.ndarray, degree: int
+        self,
+        slots: np.ndarray,
+        places: np.ndarray,
+        sources: np.ndarray,
+        of_sources: np.ndarray,
+        powers: Sequence[tuple[int, int]],
+        around: int,
     ) -> None:
         """Give the points in ``slots`` the time levels that the fluid has at ``places`` (n, 2).
 
-        ``sources``: slots of the points from which they come, which are at ``of_sources`` (m, 2). ``degree``: of the
-        polynomials through them.
+        ``sources``: slots of the points from which they come, which are at ``of_sources`` (m, 2). ``powers`` of x and y
+        in the polynomials through those ``around`` a place.
         """
         from scipy.spatial import cKDTree
 
         near = self.from_ends(of_sources) < 2.0 * UNJUDGED
         sources, tree = sources[near], cKDTree(of_sources[near])
-        distance, nearest = tree.query(places, AROUND[degree])
+        distance, nearest = tree.query(places, around)
         radius = distance[:, -1:]
         x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
-        basis = np.stack([x**a * y**b for a in range(degree + 1) for b in range(degree + 1 - a)], axis=1)
+        basis = np.stack([x**a * y**b for a, b in powers], axis=1)
         weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
         for field in self.carried_fields:
             values = view(field)[sources[nearest]].astype(float)

@@ -103,10 +103,11 @@ class Boundary:
 
     ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
     ``outlet``: field with the first slot of the points of an open end whose pressure is known, None without one.
-    ``parts``: ``BoundaryPart``s, whose conditions hold beside those of walls of given motion.
+    ``parts``: ``BoundaryPart``s, whose conditions hold beside those of walls of given motion. ``pressure_gradient``: by
+    which given pressures drive the fluid.
     """
 
-    bounded = False
+    bounded, pressure_gradient = False, 0.0
     outlet: Any = None
     parts: "Sequence[BoundaryPart]" = ()
     slots: slice
@@ -155,8 +156,8 @@ class Boundary:
         """Return the velocities (count, components) that the solver has at the points on walls."""
         return self.velocity
 
-    def outlet_stress(self) -> np.ndarray:
-        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+    def outlet_pressure(self) -> np.ndarray:
+        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
         return np.zeros(0)
 
     def stokes_rows(self) -> "WallRows":
@@ -228,10 +229,11 @@ class BoundaryPart:
 
     A part owns its state, and returns values: the ``Boundary`` has the fields of all points, and asks each of its parts
     in turn. ``finds_impulse``: whether a coupling of the part finds the impulse of the start. ``outlet``: field with
-    the first slot of the points whose pressure the part knows, None without any.
+    the first slot of the points whose pressure the part knows, None without any. ``pressure_gradient``: mean one by
+    these pressures, per unit density.
     """
 
-    finds_impulse = False
+    finds_impulse, pressure_gradient = False, 0.0
     outlet: Any = None
 
     @ti.func
@@ -315,8 +317,8 @@ class BoundaryPart:
         """Return the ``rows`` of the points in a ``StokesSolver`` with those of the part."""
         return rows
 
-    def outlet_stress(self) -> np.ndarray:
-        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
+    def outlet_pressure(self) -> np.ndarray:
+        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
         return np.zeros(0)
 
     def entered(self, position: np.ndarray) -> np.ndarray:

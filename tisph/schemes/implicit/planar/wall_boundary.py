@@ -198,6 +198,7 @@ class WallBoundary(Boundary):
         """Let a ``part`` take part in all that follows."""
         self.parts = [*self.parts, part]
         self.outlet = self.outlet or part.outlet
+        self.pressure_gradient = max(self.pressure_gradient, part.pressure_gradient)
 
     @ti.func
     def divergence_to_keep(self, i, kept, gamma0):
@@ -410,9 +411,9 @@ class WallBoundary(Boundary):
             rows = part.stokes_rows(rows)
         return rows
 
-    def outlet_stress(self) -> np.ndarray:
-        """Return the normal stress S_yy (points,) of a polymer at the points of an outlet."""
-        return np.concatenate([np.zeros(0), *(part.outlet_stress() for part in self.parts)])
+    def outlet_pressure(self) -> np.ndarray:
+        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
+        return np.concatenate([np.zeros(0), *(part.outlet_pressure() for part in self.parts)])
 
     def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""

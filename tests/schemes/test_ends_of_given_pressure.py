@@ -6,7 +6,6 @@ import pytest
 import tisph
 from tisph import scenes
 from tisph.config.loader import loaded
-from tisph.errors import ConfigError
 
 pytestmark = pytest.mark.taichi
 
@@ -72,17 +71,3 @@ def test_a_cylinder_between_two_pressures_bears_what_the_walls_do_not():
     config |= {"bodies": [{"type": "circle", "centre": [1.0, 0.5], "radius": 0.2}]}
     _, found = at_the_end(config)
     assert found["drag"] + found["drag_bottom"] + found["drag_top"] == pytest.approx(4.8, rel=2e-2)
-
-
-@pytest.mark.parametrize(
-    ("ends", "key"),
-    [
-        ({"left": {"pressure": 1.0}, "right": {"pressure": 1.0}}, "ends.right.pressure"),
-        ({"left": {"type": "inlet", "velocity": 1.0}, "right": {"pressure": 1.0}}, "ends.right.pressure"),
-        ({"left": {"type": "inlet", "velocity": 1.0, "pressure": 1.0}, "right": {"type": "outlet"}}, "ends.left"),
-        ({"left": {"pressure": 1.0, "velocity": 1.0}, "right": {"type": "outlet"}}, "ends.left.velocity"),
-    ],
-)
-def test_pressures_that_drive_nothing_or_contradict_an_inlet_are_refused(ends, key):
-    with pytest.raises(ConfigError, match=key.replace(".", r"\.")):
-        loaded({**DRIVEN, "ends": ends}, {})

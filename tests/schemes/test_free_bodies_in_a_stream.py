@@ -103,7 +103,7 @@ def test_other_features_go_with_it(changes):
         assert u == pytest.approx(6.0 * y * (1.0 - y) - 12.0 * 0.15**2 / 4.0, rel=0.05)
 
 
-def test_a_body_that_comes_to_the_outlet_ends_the_run_with_advice_that_helps():
+def test_a_body_at_the_outlet_ends_the_run_with_advice_that_helps():
     late = {**STREAM, "geometry": {"gap": 1.0, "length": 1.6}, "time": {"end": 1.0}}
     late |= {"bodies": [{**STREAM["bodies"][0], "centre": [1.1, 0.4]}]}
     with pytest.raises(DivergedError, match=r"reaches the outlet at t = 0.*make the channel longer"):

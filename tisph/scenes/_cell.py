@@ -137,6 +137,27 @@ def planes(walls: dict[str, Body]) -> tuple[tuple[str, Any], ...]:
     return tuple((name, walls[name].motion.x) for name in ("top", "bottom"))
 
 
+@dataclass(frozen=True)
+class DevelopedFlow:
+    """Steady flow of a Newtonian fluid in the channel without bodies: u = U_b + (U_t - U_b) y/gap + c y (gap - y)."""
+
+    gap: float
+    bottom: float
+    top: float
+    curvature: float
+
+    @classmethod
+    def of(cls, config: Any) -> "DevelopedFlow":
+        """Return the flow of a ``config``, whose walls have constant velocities."""
+        speeds = config.walls.bottom.velocity or 0.0, config.walls.top.velocity or 0.0
+        return cls(config.geometry.gap, *speeds, config.drive.acceleration / (2.0 * config.kinematic_viscosity))
+
+    def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the velocities (2, ...) along x and y."""
+        along = self.bottom + (self.top - self.bottom) * y / self.gap + self.curvature * y * (self.gap - y)
+        return np.stack([along + 0.0 * x, 0.0 * x])
+
+
 MOST_RATIOS = 3
 """Most density ratios that are listed one by one."""
 

@@ -347,7 +347,8 @@ class Scene(SceneDefaults):
 
     def section(self, x: np.ndarray) -> tuple[Any, Any]:
         """Return the lowest place, and the height, of the cross-sections at ``x`` (n,): numbers, or arrays (n,)."""
-        low, height = self.origin[1], self.extent[1]
+        low: Any = self.origin[1]
+        height: Any = self.extent[1]
         high = low + height
         for body in self.bodies:
             if isinstance(body.shape, EndToEnd):

@@ -24,7 +24,7 @@ from tisph.geometry.motion import Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
-from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
+from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
 from tisph.scenes._cell_flow import LOADS, PLACES, VELOCITY
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -455,10 +455,8 @@ class PressureStream(Stream):
     @classmethod
     def from_config(cls, config: Any) -> "Cell":
         """Return the scene that a validated config describes."""
-        from tisph.scenes.channel import DevelopedFlow
-
         length, gap = config.geometry.length, config.geometry.gap
-        walls = plane_walls(length, gap, config.walls)
+        walls = walls_along(config)
         pressures = {side: getattr(config.ends, side).pressure or 0.0 for side in ("left", "right")}
         places = end_lines(config)
         ends = {

@@ -9,11 +9,9 @@ solution: the scene then is a cell between two walls (``_cell``). Runs without b
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config import checks, schema
@@ -314,33 +312,12 @@ class Scene:
             from tisph.scenes._stream import PressureStream, Stream
 
             return (Stream if config.ends.inlet else PressureStream).from_config(config)
-        from tisph.scenes._cell import Cell, bodies_of, planes, walls_along
+        from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
 
         walls = walls_along(config)
         developed = DevelopedFlow.of(config) if config.initial.state == "developed" else None
         bodies = bodies_of(config, walls)
         return Cell.around(config, bodies, walls, walls=planes(walls), initial_velocity=developed)
-
-
-@dataclass(frozen=True)
-class DevelopedFlow:
-    """Steady flow of a Newtonian fluid in the channel without bodies: u = U_b + (U_t - U_b) y/gap + c y (gap - y)."""
-
-    gap: float
-    bottom: float
-    top: float
-    curvature: float
-
-    @classmethod
-    def of(cls, config: Any) -> "DevelopedFlow":
-        """Return the flow of a ``config``, whose walls have constant velocities."""
-        speeds = config.walls.bottom.velocity or 0.0, config.walls.top.velocity or 0.0
-        return cls(config.geometry.gap, *speeds, config.drive.acceleration / (2.0 * config.kinematic_viscosity))
-
-    def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the velocities (2, ...) along x and y."""
-        along = self.bottom + (self.top - self.bottom) * y / self.gap + self.curvature * y * (self.gap - y)
-        return np.stack([along + 0.0 * x, 0.0 * x])
 
 
 def _motion(config: Config) -> Iterator[Problem]:

@@ -40,6 +40,8 @@ SHARED = FORMS.pop("shared")
 NAMES = [f"{scene}: {form}" for scene, forms in FORMS.items() for form in forms]
 
 PARTNERS = {
+    "walls.top.smooth": {"walls.top.corner_radius": 0.2},
+    "walls.bottom.smooth": {"walls.bottom.corner_radius": 0.2},
     "discretisation.spacing": {"discretisation.particles_across": None},
     "fluid.dynamic_viscosity": {"fluid.kinematic_viscosity": None},
     "fluid.rheology.modes.fraction": {"fluid.rheology.solvent_fraction": 0.425},

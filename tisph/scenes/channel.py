@@ -294,7 +294,8 @@ class Config(schema.Config):
         """Yield an error for a length that the spacing does not divide, or that is too short."""
         wrong = [] if self.ends else checks.incommensurate_columns(self)
         yield from wrong
-        least = checks.least_in_period(self) if self.parallel else checks.LEAST_IN_PERIOD
+        periodic_pairs = not self.parallel and (self.bodies or not self.ends)
+        least = checks.LEAST_IN_PERIOD if periodic_pairs else checks.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the neighbour search needs three cells along x"

@@ -160,6 +160,16 @@ def test_a_reversed_lid_is_compared_with_the_same_tables(case):
     assert errors[0] == pytest.approx(errors[1], rel=0.02)  # other places of the particles at the lid
 
 
+def test_slow_flow_has_errors_after_its_start_whatever_its_energy_does(case):
+    """A viscous time after it: energies scatter with the arrangement of particles."""
+    scene = Scene.from_config(case("walls.lid.profile=regular", "fluid.kinematic_viscosity=1.0"))
+    rising = np.linspace(0.03, 0.04, len(TIMES))[:, None]
+    late, early = (measured(scene, snapshot_of(scene, t=t), rising) for t in (20.0, 0.9))
+    assert not late["steady"]
+    assert late["l2"] == pytest.approx(1.0)  # a fluid at rest
+    assert early["l2"] is None
+
+
 @pytest.mark.parametrize("growth", [0.0, 0.05])
 def test_a_movie_draws_the_steady_reference_when_the_flow_is_steady(case, growth):
     scene = Scene.from_config(case())

@@ -95,7 +95,7 @@ def test_creeping_flow_through_a_constriction_is_that_of_a_spectral_method(tmp_p
 @pytest.mark.slow
 @pytest.mark.parametrize(("reynolds", "across", "end"), [(10, 16, 8.0), (30, 16, 20.0), (100, 24, 40.0)])
 def test_pressure_drop_of_a_constriction_at_reynolds_numbers(tmp_path, reynolds, across, end):
-    """Repeats the flow without inertia; minutes. At a given flow rate the pressure drop is off by as much, or less."""
+    """Repeats the flow without inertia; minutes. At a given flow rate the pressure drop is off by somewhat more."""
     simulation = at_end(tmp_path, pipe(reynolds, across, end))
     found = simulation.scene.flow_rate(simulation.state)["flow_rate"]
     assert found == pytest.approx(np.pi, rel=5e-3)

@@ -240,7 +240,12 @@ class Stream(Cell):
     @property
     def driven_wall(self) -> float:
         """Speed of the fastest body, or the largest mean velocity through the inlet."""
-        return max(super().driven_wall, self.inlet.course.largest_speed)
+        return max(super().driven_wall, self._through)
+
+    @property
+    def _through(self) -> float:
+        """Largest mean velocity through the inlet."""
+        return self.inlet.course.largest_speed
 
     @property
     def jump_times(self) -> tuple[float, ...]:
@@ -474,12 +479,21 @@ class PressureStream(Stream):
         return self.bodies[-2]
 
     @property
-    def driven_wall(self) -> float:
-        """Speed of the fastest body, or the mean velocity of developed flow; at most that which inertia allows."""
-        one, other = self.bodies[-2:]
-        drop, width = one.pressure - other.pressure, self.inlet.shape.length  # type: ignore[attr-defined]
-        viscous = drop / self.size[0] * width**2 / (12.0 * self.dynamic_viscosity)
-        return max(Cell.driven_wall.fget(self), min(viscous, math.sqrt(2.0 * drop / self.density)))  # type: ignore[attr-defined]
+    def _pressures_given(self) -> tuple[float, float]:
+        """The higher and the lower pressure of the ends."""
+        high, low = (body.pressure for body in self.bodies[-2:])  # type: ignore[attr-defined]
+        return high, low
+
+    @property
+    def _drop(self) -> float:
+        high, low = self._pressures_given
+        return high - low
+
+    @property
+    def _through(self) -> float:
+        """Mean velocity of developed flow, at most that which inertia allows."""
+        viscous = self._drop / self.size[0] * self.inlet.shape.length**2 / (12.0 * self.dynamic_viscosity)
+        return min(viscous, math.sqrt(2.0 * self._drop / self.density))
 
     @property
     def jump_times(self) -> tuple[float, ...]:
@@ -489,9 +503,7 @@ class PressureStream(Stream):
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
-        one, other = self.bodies[-2:]
-        drop = one.pressure - other.pressure  # type: ignore[attr-defined]
-        return "pressure drop", "stress", (float(drop * self.inlet.shape.normal[0]), 0.0)
+        return "pressure drop", "stress", (float(self._drop * self.inlet.shape.normal[0]), 0.0)
 
     @property
     def _constant(self) -> bool:
@@ -507,9 +519,8 @@ class PressureStream(Stream):
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""
-        values = [f"{body.pressure:.6g}" for body in self.bodies[-2:]]  # type: ignore[attr-defined]
-        unit = f"{self.units.mass}/({self.units.length} {self.units.time}^2)"
-        return [*Cell.parameters(self), ("ends", f"pressures {values[0]} and {values[1]} {unit}")]
+        (high, low), unit = self._pressures_given, f"{self.units.mass}/({self.units.length} {self.units.time}^2)"
+        return [*Cell.parameters(self), ("ends", f"pressures {high:.6g} and {low:.6g} {unit}")]
 
     def _cause(self) -> tuple[bool, str]:
         return Cell._cause(self)

@@ -74,6 +74,8 @@ class Equations:
         self.may_scatter = problem.contact is not None or not problem.inertia
         self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
         self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
+        # with pressures given at both ends b may be 0 where p is not: the size that b has for their gradient counts
+        self.pressure_scale = boundary.pressure_gradient * math.sqrt(problem.n_fluid) / problem.spacing
         self.iterations, self.change = [0.0, 0.0], 0.0
         self.sources: np.ndarray | None = None
 
@@ -96,9 +98,8 @@ class Equations:
 
     def solve_pressure(self, tolerance: float, rounding: float = 0.0) -> bool:
         """Solve -L p = b; return whether it was solved. Residuals below ``rounding`` count as zero."""
-        # with pressures given at both ends b may be 0, and p is not: its gradient is to be as exact
-        driven = self.boundary.pressure_gradient * math.sqrt(int(view(self.points.n_fluid))) / self.spacing
-        solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=max(rounding, tolerance * driven))
+        least = max(rounding, tolerance * self.pressure_scale)
+        solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=least)
         self.iterations[0] += self.pressure.iterations
         return solved
 
@@ -125,8 +126,8 @@ class Equations:
         blocks = [coupling.unknowns(dt) for coupling in couplings]
         others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
         divergence = view(self.levels.divergence)[:fluid]
-        stress = self.boundary.outlet_pressure()
-        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, stress)
+        at_outlets = self.boundary.outlet_pressure()
+        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, at_outlets)
         self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
         self.iterations[0] += stokes.iterations

@@ -6,7 +6,7 @@ from annulus_case import INNER, OUTER, make, run
 
 from tisph import runtime
 from tisph.runtime import view
-from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.scheme import PlanarScheme
 
 pytestmark = pytest.mark.taichi
 
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.taichi
 def started():
     flow, places = make()
     runtime.start("f64", 1)
-    scheme = SplittingScheme(flow, [1.0], True)
+    scheme = PlanarScheme(flow, [1.0], True)
     scheme.start(places, np.zeros_like(places))
     return scheme
 

@@ -11,7 +11,7 @@ from tisph.rheology import oldroyd_b
 from tisph.runtime import view
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes.implicit.planar.problem import problem_of
-from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.scheme import PlanarScheme
 from tisph.simulation.state import start_values
 from tisph.snapshot import STRESSES, STRESSES_AROUND
 
@@ -144,7 +144,7 @@ def test_flow_along_and_around_the_axis_goes_on(tmp_path):
         return [np.stack([2 * along**2, along, 0 * y, 2 * around**2, 2 * along * around, around])]
 
     problem = replace(problem_of(scene), rheology=fluid, initial_conformation_excess=excess)
-    scheme = SplittingScheme(problem, [0.3], True)
+    scheme = PlanarScheme(problem, [0.3], True)
     scheme.start(*start_values(scene, settings.initial))
     while not scheme.finished:
         scheme.advance()

@@ -10,7 +10,7 @@ import vortex_case
 from tisph import runtime
 from tisph.rheology import carreau_yasuda, power_law
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.scheme import PlanarScheme
 
 pytestmark = pytest.mark.taichi
 
@@ -61,7 +61,7 @@ def test_a_law_of_constant_viscosity_is_a_newtonian_fluid():
     places, found = vortex_case.arrangement(20, 0.2), []
     for rheology in (None, law):
         runtime.start("f64", 1)
-        scheme = SplittingScheme(replace(flow, rheology=rheology), [0.1], True)
+        scheme = PlanarScheme(replace(flow, rheology=rheology), [0.1], True)
         scheme.start(places, np.stack(vortex_case.exact(*places.T, 0.0, 0.1)[:2], axis=1))
         while not scheme.finished:
             scheme.advance()

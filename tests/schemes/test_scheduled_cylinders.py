@@ -13,7 +13,7 @@ from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.measures.rheometry import read
 from tisph.schemes._forecast import estimates
-from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.scheme import PlanarScheme
 from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi
@@ -25,7 +25,7 @@ END = 0.15
 def started():
     runtime.start("f64", 1)
     flow, places = case.make((PULSE, 0.0), viscosity=1.0)
-    scheme = SplittingScheme(flow, [END], True, tolerance=1e-4)
+    scheme = PlanarScheme(flow, [END], True, tolerance=1e-4)
     scheme.start(places, np.zeros_like(places))
     return scheme
 

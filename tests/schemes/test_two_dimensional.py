@@ -65,7 +65,7 @@ def test_a_flow_in_other_units_is_bitwise_the_same():
         runtime.start("f64", 1)
         units = {"spacing": length / 12, "density": density, "reference_velocity": length / time}
         box = replace(flow(12, 1), kinematic_viscosity=VISCOSITY * length**2 / time, **units)
-        scheme, position = splitting_scheme.SplittingScheme(box, [time], True), arrangement(12, 0.3)
+        scheme, position = splitting_scheme.PlanarScheme(box, [time], True), arrangement(12, 0.3)
         scheme.start(position * length, np.stack(exact(*position.T, 0.0, VISCOSITY)[:2], 1) * length / time)
         for _ in range(8):
             scheme.advance()

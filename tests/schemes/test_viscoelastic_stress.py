@@ -25,7 +25,7 @@ from tisph.runtime import view
 from tisph.scenes.annulus import cartesian
 from tisph.schemes.implicit.planar import viscoelastic_stress
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.scheme import SplittingScheme
+from tisph.schemes.implicit.planar.scheme import PlanarScheme
 from tisph.schemes.implicit.planar.wall_points import WallPoints
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
@@ -43,7 +43,7 @@ def make(rheology=LIQUID, turning=(1.0, 0.0), viscosity=1.0):
 
 def started(flow, places, serial=True):
     runtime.start("f64", 1 if serial else 2)
-    scheme = case.SplittingScheme(flow, [1.0], serial)
+    scheme = case.PlanarScheme(flow, [1.0], serial)
     scheme.start(places, np.zeros_like(places))
     return scheme
 
@@ -268,7 +268,7 @@ def weak_vortices(number):
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": RELAXING}
     box = {"columns": number, "rows": number, "n_fluid": number**2, "spacing": 1 / number}
     flow = Problem(**box, reference_velocity=SPEED, **liquid)
-    scheme, places = SplittingScheme(flow, [END], True, tolerance=1e-7), vortices.arrangement(number, 0.2)
+    scheme, places = PlanarScheme(flow, [END], True, tolerance=1e-7), vortices.arrangement(number, 0.2)
     scheme.start(places, SPEED * np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     while not scheme.finished:
         scheme.advance()
@@ -306,7 +306,7 @@ def test_a_divergence_stretches_no_polymer():
     runtime.start("f64", 1)
     liquid = {"density": 1.0, "kinematic_viscosity": VISCOSITY, "rheology": RELAXING}
     flow = Problem(columns=12, rows=12, n_fluid=144, spacing=1 / 12, reference_velocity=1.0, **liquid)
-    scheme, places = SplittingScheme(flow, [END], True), vortices.arrangement(12, 0.2)
+    scheme, places = PlanarScheme(flow, [END], True), vortices.arrangement(12, 0.2)
     scheme.start(places, np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
     scheme.advance()
     polymer, found = scheme.extra_stress, []

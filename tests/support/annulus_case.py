@@ -11,7 +11,7 @@ from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.scheme import COURANT, SplittingScheme
+from tisph.schemes.implicit.planar.scheme import COURANT, PlanarScheme
 from tisph.schemes.implicit.planar.wall_points import WallPoints
 
 INNER, OUTER, ACROSS = 1.0, 2.0, 12
@@ -49,9 +49,9 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
 
 
 def run(flow, places, velocity, end, steps=None, tolerance=2e-6, courant=COURANT):
-    """Step until ``end``, or so many ``steps``, from a ``velocity`` (particles, 2); return the SplittingScheme."""
+    """Step until ``end``, or so many ``steps``, from a ``velocity`` (particles, 2); return the PlanarScheme."""
     runtime.start("f64", 1)
-    scheme = SplittingScheme(flow, [end], True, tolerance, courant)
+    scheme = PlanarScheme(flow, [end], True, tolerance, courant)
     scheme.start(places, velocity)
     while not scheme.finished and scheme.steps != steps:
         scheme.advance()

@@ -6,7 +6,7 @@ from kept_program import kept
 from tisph import runtime
 from tisph.numerics import least_squares as operators
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.scheme import COURANT, SplittingScheme
+from tisph.schemes.implicit.planar.scheme import COURANT, PlanarScheme
 from tisph.schemes.implicit.planar.step_limits import TOLERANCE, step_control
 
 WAVE = 2 * np.pi
@@ -32,7 +32,7 @@ _built = {}
 
 
 def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precision="f64", fresh=False, cells=1, **steps):
-    """Return vortices at their start, in a wind, as a SplittingScheme; ``steps`` are its tolerance and Courant number.
+    """Return vortices at their start, in a wind, as a PlanarScheme; ``steps`` are its tolerance and Courant number.
 
     What was returned before is used again where it has as many particles, unless ``fresh``.
     """
@@ -41,7 +41,7 @@ def make(number, *, jitter=0.2, wind=(0, 0), targets=(1.0,), threads=1, precisio
     if fresh or scheme is None or scheme.built != kept.starts:
         _built.clear()
         runtime.start(precision, threads)
-        scheme = _built[key] = SplittingScheme(flow(number, cells), targets, threads == 1)
+        scheme = _built[key] = PlanarScheme(flow(number, cells), targets, threads == 1)
         scheme.built = kept.starts
     limits = steps.get("tolerance", TOLERANCE), steps.get("courant", COURANT)
     scheme.control = step_control(scheme.problem, targets, *limits)

@@ -55,10 +55,10 @@ JUDGED_BY = "divergence", "steepest stress"
 
 
 def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
-    """Return the ``SplittingScheme`` of a scene."""
-    from tisph.schemes.implicit.planar.scheme import SplittingScheme  # imports Taichi
+    """Return the ``PlanarScheme`` of a scene."""
+    from tisph.schemes.implicit.planar.scheme import PlanarScheme  # imports Taichi
 
-    return SplittingScheme(problem_of(scene), targets, serial, *_steps(config))
+    return PlanarScheme(problem_of(scene), targets, serial, *_steps(config))
 
 
 def _steps(config: Any) -> tuple[float | None, float]:

@@ -1,6 +1,8 @@
 """The equations of pressure and velocities in a step: right-hand sides, and the solvers of their linear systems.
 
-With the forcing f, which is u^ of ``scheme.SplittingScheme.attempt`` and all explicit forces times dt,
+``Equations`` has what all steps need, and the equations of the start. A step is solved by ``Splitting``, one system for
+the pressure and one for the velocities, or, in slow flow, by ``Coupled``, one system for all (``numerics/stokes.py``).
+With the forcing f, which is u^ of ``scheme.PlanarScheme.attempt`` and all explicit forces times dt, splitting solves
 
     L p = (D f - k gamma_0 d^n) / dt,      (gamma_0 - dt nu L) u^(n+1) = f - dt (G p - g),
 
@@ -12,6 +14,7 @@ k: divergence decays at a rate of its own instead.
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,18 +30,41 @@ ROUGH = 1.0
 """Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
 2.7 at most (``MOST_VISCOUS``), it always does: there are twice as many iterations, in half the time."""
 
+FIRST_OUTER = 1e-3, 1e-6
+"""Residuals of the first of two outer iterations, from which only the curl at walls is used: with 1e-4 and 1e-8 errors
+between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
+
+SETTLED = 0.1
+"""Largest change of the velocities of a liquid without inertia whose viscosity varies, over the tolerance of a step:
+errors that are left would grow, as extrapolation multiplies them by up to 15."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step ``dt``: its ``gamma0``, the ``viscosity`` of its implicit part, and the error ``allowed`` of velocities.
+
+    ``retained``: k gamma_0, by which divergence stays.
+    """
+
+    dt: float
+    gamma0: float
+    viscosity: float
+    retained: float
+    allowed: float
+
 
 @ti.data_oriented
 class Equations:
     """The ``forcing`` (points,) of a step, its solvers of ``pressure`` and ``velocity``, and the body ``acceleration``.
 
     ``extrapolated`` (points,): velocities extrapolated to the end of the step, from which the solvers start and from
-    which the error is estimated. ``sources`` (fluid,) of the pressure equation, None without any. ``together``: whether
-    one system, of ``stokes``, is solved for everything. ``iterations``: of both solvers in the present step.
-    ``may_scatter``: whether velocities follow the places of particles or bodies at once, and scatter from step to step
-    as those do; then differences of lower order are known. ``change``: root mean square change of the velocities by the
-    last solution for everything together.
+    which the error is estimated. ``sources`` (fluid,) of the pressure equation, None without any. ``iterations``: of
+    both solvers in the present step. ``may_scatter``: whether velocities follow the places of particles or bodies at
+    once, and scatter from step to step as those do; then differences of lower order are known. ``least_iterations``:
+    outer iterations of a step. ``residuals``: relative ones of pressure and velocities.
     """
+
+    least_iterations = 1
 
     def __init__(
         self,
@@ -47,12 +73,14 @@ class Equations:
         grid: Any,
         boundary: Boundary,
         extra_stress: ExtraStress,
-        together: bool,
+        residuals: Sequence[float],
     ) -> None:
+        self.residuals = residuals
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.coordinates, self.boundary, self.extra_stress = levels.coordinates, boundary, extra_stress
         self.spacing, components = problem.spacing, levels.components
         vector = ti.types.vector(components, real())
+        self.has_inertia = problem.inertia
         self.has_body_force = any(problem.acceleration) or problem.kept_mean_velocity is not None
         self.acceleration = holding(ti.field(vector, ()), (*problem.acceleration, 0.0)[:components])
         closed = boundary.outlet is None
@@ -66,8 +94,6 @@ class Equations:
             **outlet,
         )
         self.for_pressure = TwoLevel(self.pressure, grid, boundary.bounded)
-        self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
-        self.stokes: Any = StokesSolver(self.operators, grid, components, self.spacing) if together else None
         self.forcing, self.extrapolated = (ti.field(vector, self.points.slots + 1) for _ in range(2))
         self.alpha, self.beta = (holding(ti.field(real(), VELOCITIES), 0.0) for _ in range(2))
         self.beta_pressure = holding(ti.field(real(), PRESSURES), 0.0)
@@ -76,8 +102,21 @@ class Equations:
         self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
         # with pressures given at both ends b may be 0 where p is not: the size that b has for their gradient counts
         self.pressure_scale = boundary.pressure_gradient * math.sqrt(problem.n_fluid) / problem.spacing
-        self.iterations, self.change = [0.0, 0.0], 0.0
+        self.iterations = [0.0, 0.0]
         self.sources: np.ndarray | None = None
+        self.forcing_varies = extra_stress.nonlinear or self.coordinates.axisymmetric
+        self.explicit = np.empty(0)
+
+    def assemble(self) -> None:
+        """Set the matrices of the present operators."""
+
+    def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
+        """Solve for velocity and pressure in outer iteration number ``outer``; return whether it was possible."""
+        raise NotImplementedError
+
+    def settled(self, step: Step) -> bool:
+        """Return whether outer iterations may end."""
+        return True
 
     def begin_step(self, weights: TimeWeights, alpha: np.ndarray) -> None:
         """Sum the time levels, equation (1): the forcing by ``alpha``, and the extrapolated velocity and pressure."""
@@ -87,6 +126,21 @@ class Equations:
         view(self.beta_lower)[...] = weights.lower_extrapolation()
         self.iterations, self.sources = [0.0, 0.0], None
         self.sum_levels()
+
+    def form_forcing(self, dt: float, outer: int) -> None:
+        """Add the forces of the present velocity to the explicit part of the ``forcing``: stress, centripetal force.
+
+        The explicit part is the ``forcing`` before the first outer iteration, number 0.
+        """
+        if outer == 0 and self.forcing_varies:
+            self.explicit = view(self.forcing).copy()
+        elif self.forcing_varies:
+            view(self.forcing)[...] = self.explicit
+        else:
+            return
+        self.extra_stress.add_stress(self.velocity.x, self.forcing, dt)
+        if self.has_inertia:
+            self.coordinates.add_centripetal(self.velocity.x, self.forcing, dt)
 
     def accelerate(self, acceleration: float) -> None:
         """Change the body force along x."""
@@ -101,39 +155,6 @@ class Equations:
         least = max(rounding, tolerance * self.pressure_scale)
         solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=least)
         self.iterations[0] += self.pressure.iterations
-        return solved
-
-    def solve_velocity(self, dt: float, viscosity: float, gamma0: float, tolerance: float) -> bool:
-        """Solve (gamma_0 - dt nu L) u = f - dt (G p - g), equation (3); return whether it was solved."""
-        self.set_momentum(dt)
-        diffusion = dt * viscosity
-        preconditioner = self.for_velocity if diffusion > ROUGH * gamma0 * self.spacing**2 else None
-        solved = self.velocity.solve(diffusion, tolerance, gamma0, preconditioner)
-        self.iterations[1] += self.velocity.iterations
-        return solved
-
-    def solve_together(
-        self, dt: float, viscosity: float, gamma0: float, tolerance: float, couplings: Sequence[Coupling]
-    ) -> bool:
-        """Solve for velocities, pressure and the unknowns of the ``couplings`` at once, equations (9) to (12).
-
-        ``tolerance``: root mean square error of the velocities. Return whether the system was solved.
-        """
-        n, fluid, stokes = int(view(self.points.particles)), int(view(self.points.n_fluid)), self.stokes
-        stokes.set_step(gamma0 / dt, self.extra_stress.local_viscosities(viscosity, n))
-        velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
-        force = view(self.forcing)[:n] / dt + view(self.acceleration)
-        blocks = [coupling.unknowns(dt) for coupling in couplings]
-        others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
-        divergence = view(self.levels.divergence)[:fluid]
-        at_outlets = self.boundary.outlet_pressure()
-        solved, found = stokes.solve(velocity, pressure, force, divergence, others, tolerance, at_outlets)
-        self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
-        view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
-        self.iterations[0] += stokes.iterations
-        for coupling, block in zip(couplings, blocks, strict=True):
-            coupling.take(self, found[: len(block.load)])
-            found = found[len(block.load) :]
         return solved
 
     def error(self) -> tuple[float, float]:
@@ -184,20 +205,6 @@ class Equations:
                 pressure += self.beta_pressure[level] * self.levels.fields[i][self.levels.first_pressure + level]
             self.pressure.x[i] = pressure
 
-    def set_divergence(self, dt: float, retained: float, gamma0: float) -> None:
-        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0, and add the sources."""
-        self.set_divergence_of_forcing(dt, retained, gamma0)
-        if self.sources is not None:
-            view(self.pressure.b)[: len(self.sources)] += self.sources
-
-    @ti.kernel
-    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float):
-        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0."""
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(self.points.n_fluid[None]):
-            divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
-            self.pressure.b[i] = (self.boundary.divergence_to_keep(i, retained, gamma0) - divergence) / dt
-
     @ti.func
     def divergence_of_forcing(self, i):
         """Return the divergence of the forcing at a particle."""
@@ -229,20 +236,6 @@ class Equations:
             self.pressure.b[i] = -self.levels.divergence[i] if diverges else 0.0
 
     @ti.kernel
-    def set_momentum(self, dt: float):
-        """Set the right-hand side of the velocities, equation (3)."""
-        ti.loop_config(serialize=self.operators.serial_light)
-        for i in range(self.points.n_fluid[None]):
-            known = self.forcing[i]
-            d_dx, d_dy = gradients(self.operators, self.pressure.x, i)
-            gradient = ti.Vector([d_dx, d_dy])
-            if ti.static(self.has_body_force):
-                gradient -= ti.Vector([self.acceleration[None].x, self.acceleration[None].y])
-            known.x -= dt * gradient.x
-            known.y -= dt * gradient.y
-            self.velocity.b[i] = known
-
-    @ti.kernel
     def sum_difference(self):
         """Sum the squares of the differences from the extrapolated velocities, in a fixed order."""
         ti.loop_config(serialize=True)
@@ -258,3 +251,121 @@ class Equations:
                         rest -= self.beta_lower[level] * self.levels.carried(level, i)
                     lower += weight * self.coordinates.squared(i, rest)
             self.difference_squared[None], self.lower_squared[None] = total, lower
+
+
+@ti.data_oriented
+class Splitting(Equations):
+    """The pressure from the divergence of the forcing, then the velocities with its gradient: equations (2) and (3).
+
+    ``for_velocity``: preconditioner of the velocities where steps are viscous.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        levels: TimeLevels,
+        grid: Any,
+        boundary: Boundary,
+        extra_stress: ExtraStress,
+        residuals: Sequence[float],
+    ) -> None:
+        super().__init__(problem, levels, grid, boundary, extra_stress, residuals)
+        self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
+        self.least_iterations = 2 if boundary.bounded or extra_stress.nonlinear else 1
+
+    def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
+        """Solve for the pressure, and with its gradient for the velocities; return whether both were possible."""
+        if outer == 0 or self.forcing_varies or self.sources is not None:
+            self.set_divergence(step.dt, step.retained, step.gamma0)
+        if outer > 0 and not any(coupling.sets_curls for coupling in couplings):
+            self.boundary.update_normal_curls(self.velocity.x)
+        self.boundary.add_normal_momentum(self, step.dt, step.gamma0, step.viscosity)
+        exact = couplings or outer >= self.least_iterations - 1
+        residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
+        solved = self.solve_pressure(residuals[0], max((each.rounding for each in couplings), default=0.0))
+        self.set_momentum(step.dt)
+        diffusion = step.dt * step.viscosity
+        preconditioner = self.for_velocity if diffusion > ROUGH * step.gamma0 * self.spacing**2 else None
+        found = self.velocity.solve(diffusion, residuals[1], step.gamma0, preconditioner)
+        self.iterations[1] += self.velocity.iterations
+        return solved and found
+
+    def set_divergence(self, dt: float, retained: float, gamma0: float) -> None:
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0, and add the sources."""
+        self.set_divergence_of_forcing(dt, retained, gamma0)
+        if self.sources is not None:
+            view(self.pressure.b)[: len(self.sources)] += self.sources
+
+    @ti.kernel
+    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float):
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
+            self.pressure.b[i] = (self.boundary.divergence_to_keep(i, retained, gamma0) - divergence) / dt
+
+    @ti.kernel
+    def set_momentum(self, dt: float):
+        """Set the right-hand side of the velocities, equation (3)."""
+        ti.loop_config(serialize=self.operators.serial_light)
+        for i in range(self.points.n_fluid[None]):
+            known = self.forcing[i]
+            d_dx, d_dy = gradients(self.operators, self.pressure.x, i)
+            gradient = ti.Vector([d_dx, d_dy])
+            if ti.static(self.has_body_force):
+                gradient -= ti.Vector([self.acceleration[None].x, self.acceleration[None].y])
+            known.x -= dt * gradient.x
+            known.y -= dt * gradient.y
+            self.velocity.b[i] = known
+
+
+class Coupled(Equations):
+    """Velocities, pressure and the unknowns of couplings at once, equations (9) to (12), by the ``stokes`` solver.
+
+    ``change``: root mean square change of the velocities by the last solution.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        levels: TimeLevels,
+        grid: Any,
+        boundary: Boundary,
+        extra_stress: ExtraStress,
+        residuals: Sequence[float],
+        residual: float,
+    ) -> None:
+        super().__init__(problem, levels, grid, boundary, extra_stress, residuals)
+        self.stokes = StokesSolver(self.operators, grid, levels.components, self.spacing)
+        self.residual, self.change = residual, 0.0
+        self.least_iterations = 2 if extra_stress.nonlinear else 1
+        self.must_settle = extra_stress.nonlinear and not problem.carries_stress and not problem.inertia
+
+    def assemble(self) -> None:
+        """Set the matrices of the present operators."""
+        self.stokes.assemble(self.boundary.stokes_rows())
+
+    def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
+        """Solve for everything, to ``residual`` of the allowed error; return whether it was possible."""
+        n, fluid, stokes = int(view(self.points.particles)), int(view(self.points.n_fluid)), self.stokes
+        sigma = step.gamma0 / step.dt if self.has_inertia else 0.0
+        stokes.set_step(sigma, self.extra_stress.local_viscosities(step.viscosity, n))
+        velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)
+        force = view(self.forcing)[:n] / step.dt + view(self.acceleration)
+        blocks = [coupling.unknowns(step.dt) for coupling in couplings]
+        others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
+        divergence = view(self.levels.divergence)[:fluid]
+        allowed = self.residual * step.allowed
+        at_outlets = self.boundary.outlet_pressure()
+        solved, found = stokes.solve(velocity, pressure, force, divergence, others, allowed, at_outlets)
+        self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
+        view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure
+        self.iterations[0] += stokes.iterations
+        for coupling, block in zip(couplings, blocks, strict=True):
+            coupling.take(self, found[: len(block.load)])
+            found = found[len(block.load) :]
+        return solved
+
+    def settled(self, step: Step) -> bool:
+        """Return whether a varying viscosity has settled in a liquid without inertia."""
+        return not self.must_settle or self.change <= SETTLED * step.allowed

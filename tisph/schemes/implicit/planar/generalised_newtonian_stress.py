@@ -40,7 +40,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes.implicit.planar.parts import ExtraStress
 from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights, gradients
+from tisph.schemes.implicit.planar.time_levels import TimeLevels, gradients
 
 XX, XR, RR, TT, XT, RT = range(6)
 """Components of revolution."""
@@ -71,7 +71,7 @@ class GeneralisedNewtonianStress(ExtraStress):
         self.operators.laplacian = ti.field(real(), levels.operators.laplacian.shape)
         self.derived = ti.field(ti.types.vector(self.numbers, real()), self.points.slots + 1)
         vector = ti.types.vector(levels.components, real())
-        self.d_dx, self.d_dy, self.force, self.added_force = (ti.field(vector, self.points.capacity) for _ in range(4))
+        self.d_dx, self.d_dy, self.added_force = (ti.field(vector, self.points.capacity) for _ in range(3))
         self.implicit_divergence, self.operators.diagonal = (ti.field(real(), self.points.capacity) for _ in range(2))
         if self.axisymmetric:
             self.operators.d_dy = ti.field(real(), levels.operators.d_dy.shape)
@@ -86,10 +86,6 @@ class GeneralisedNewtonianStress(ExtraStress):
     def begin(self) -> None:
         """Find the stress of the newest velocities, whose gradients are measured."""
         self.find(self.levels.fields, self.levels.d_dx, self.levels.d_dy)
-
-    def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
-        """Begin a step with no force of the extra stress."""
-        view(self.force)[...] = 0.0
 
     def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
         """Add dt times the divergence of the stress of a ``velocity`` to the ``forcing``; weigh the operators."""
@@ -186,7 +182,7 @@ class GeneralisedNewtonianStress(ExtraStress):
 
     @ti.kernel
     def add_force(self, forcing: ti.template(), dt: float, viscosity: float):
-        """Add dt [div (2 nu D) - nu* div (2 D)] in place of the term of the previous iteration; weigh the operators."""
+        """Add dt [div (2 nu D) - nu* div (2 D)]; weigh the operators."""
         ti.loop_config(serialize=self.unweighted.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.unweighted, self.derived, i)
@@ -196,8 +192,7 @@ class GeneralisedNewtonianStress(ExtraStress):
             last = ti.static(self.numbers - 1)
             vortex = self.levels.coordinates.hoop(self.derived[i][last - 1]) + square * d_dy[last - 1]
             self.implicit_divergence[i] = dt * (square * d_dy[last] * d_dx[last - 1] - d_dx[last] * vortex)
-            forcing[i] += dt * (force - self.force[i])
-            self.force[i] = force
+            forcing[i] += dt * force
             self.weigh(i, implicit / viscosity)
 
     @ti.kernel

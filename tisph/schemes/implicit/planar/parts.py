@@ -65,7 +65,7 @@ class ExtraStress:
     def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
         """Add dt times the divergence of the stress of a ``velocity`` to the ``forcing``, two fields (points,).
 
-        The stress is without its implicit part; it replaces the stress of the previous outer iteration.
+        The stress is without its implicit part.
         """
 
     def store(self, velocity: Any, step: int) -> Any:

@@ -1,7 +1,7 @@
 """The implicit scheme of two-dimensional flow: its start, its step, and the state within the last step.
 
 The method is the velocity correction of G. E. Karniadakis, M. Israeli, S. A. Orszag, J. Comput. Phys. 97 (1991)
-414-443, along the paths of the particles, where there is no convective term. ``SplittingScheme.attempt`` is the step.
+414-443, along the paths of the particles, where there is no convective term. ``PlanarScheme.attempt`` is the step.
 """
 
 import math
@@ -20,7 +20,7 @@ from tisph.numerics.shifting import TRAVEL, FickianShifting
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
-from tisph.schemes.implicit.planar.equations import Equations
+from tisph.schemes.implicit.planar.equations import Coupled, Equations, Splitting, Step
 from tisph.schemes.implicit.planar.free_bodies import FreeBodyPart
 from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes.implicit.planar.mean_velocity import MeanVelocityControl
@@ -54,10 +54,6 @@ more."""
 TOO_LONG = "u, v: no error of a step is small enough, however short it is,"
 """Message of a run that stops."""
 
-FIRST_OUTER = 1e-3, 1e-6
-"""Residuals of the first of two outer iterations, from which only the curl at walls is used: with 1e-4 and 1e-8 errors
-between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
-
 COURANT = 0.3
 """Longest step over the time in which the fastest particle goes one spacing."""
 
@@ -72,7 +68,7 @@ REORDER_INTERVAL = 100
 mixed 1e5 of them a step takes 1.7 times as long without."""
 
 
-class SplittingScheme(ControlledScheme):
+class PlanarScheme(ControlledScheme):
     """Particles in a box, with walls or without, advanced step by step.
 
     ``targets`` are times that steps end on exactly.
@@ -94,10 +90,10 @@ class SplittingScheme(ControlledScheme):
         self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
         self.points = points_of(problem, serial)
         self.operators = operators_of(problem, self.points)
-        self.slow = limits.is_slow(problem, courant)
+        coupled = limits.is_slow(problem, courant)
         self.grid: WalledGrid | PeriodicGrid
         if walls:
-            self.grid = WalledGrid(self.points, problem, velocities=self.slow)
+            self.grid = WalledGrid(self.points, problem, velocities=coupled)
             self.points.n_fluid = integer(problem.n_fluid)
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
@@ -108,13 +104,17 @@ class SplittingScheme(ControlledScheme):
         precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         rounding = limits.ROUNDING * precision
         self.boundary, self.couplings = boundary_of(
-            problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, self.slow
+            problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
-        self.equations = Equations(problem, self.levels, self.grid, self.boundary, self.extra_stress, self.slow)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
-        self.residuals = limits.residuals(self.tolerance, rounding)
-        self.residual_together = max(limits.TOGETHER * self.tolerance, rounding)
+        parts = problem, self.levels, self.grid, self.boundary, self.extra_stress
+        residuals = limits.residuals(self.tolerance, rounding)
+        self.equations: Equations = (
+            Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
+            if coupled
+            else Splitting(*parts, residuals)
+        )
         self.reset()
 
     def reset(self) -> None:
@@ -132,7 +132,7 @@ class SplittingScheme(ControlledScheme):
         Polymers start without ``stress``.
         """
         self.initial_momentum = float(velocity[:, 0].sum())
-        fluid, levels, residual = self.problem.n_fluid, self.levels, self.residuals[0]
+        fluid, levels, residual = self.problem.n_fluid, self.levels, self.equations.residuals[0]
         active(levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(levels.fields)[...] = 0.0
         unknowns = self.problem.unknowns(velocity, position[:, 1])
@@ -237,7 +237,7 @@ class SplittingScheme(ControlledScheme):
 
            a second one uses the stress, and the curl of the vorticity at walls, of the velocities that the first has
            found; with couplings (free bodies, a kept mean velocity) they go on until these have converged. In slow
-           flow each solves (9) to (12) instead, for the couplings' unknowns as well (``numerics/stokes.py``);
+           flow each solves (9) to (12) instead, for the couplings' unknowns as well;
         5. the difference from the extrapolated velocities gives the error (5).
         """
         if self.time + 0.1 * dt == self.time:
@@ -245,7 +245,6 @@ class SplittingScheme(ControlledScheme):
         levels, boundary, extra_stress, equations = self.levels, self.boundary, self.extra_stress, self.equations
         end, weights = self.time + dt, TimeWeights([dt, *self.dts], dt)
         gamma0, alpha = weights.bdf()
-        inertia = gamma0 if self.problem.inertia else 0.0
 
         boundary.reject()
         levels.predict(weights)
@@ -253,45 +252,25 @@ class SplittingScheme(ControlledScheme):
             return math.inf, 1
         self.assemble(end)
 
+        allowed = self.tolerance * self.error_speed
         for coupling in self.couplings:
-            coupling.prepare(equations, dt, gamma0, end, self.tolerance * self.error_speed)
+            coupling.prepare(equations, dt, gamma0, end, allowed)
         extra_stress.prepare(weights, dt, end)
         viscosity = self.problem.solvent_viscosity + extra_stress.viscosity
-        equations.begin_step(weights, alpha if inertia else 0.0 * alpha)
+        decay = limits.decay_rate(viscosity, self.speed, self.problem)
+        step = Step(dt, gamma0, viscosity, max(0.0, gamma0 - decay * dt), allowed)
+        equations.begin_step(weights, alpha if self.problem.inertia else 0.0 * alpha)
         self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
         boundary.begin_step(weights)
         boundary.corners.add_force(equations.forcing, weights, dt)
 
-        decay = limits.decay_rate(viscosity, self.speed, self.problem)
-        retained = max(0.0, gamma0 - decay * dt)
-        forcing_varies = extra_stress.nonlinear or levels.coordinates.axisymmetric
-        least = 2 if (boundary.bounded and not self.slow) or extra_stress.nonlinear else 1
-        curls_vary = not any(coupling.sets_curls for coupling in self.couplings)
-        rounding = max((coupling.rounding for coupling in self.couplings), default=0.0)
         solved = True
         for outer in range(MOST_ITERATIONS):
-            extra_stress.add_stress(equations.velocity.x, equations.forcing, dt)
-            if inertia:
-                levels.coordinates.add_centripetal(equations.velocity.x, equations.forcing, dt, outer > 0)
-            if outer == 0 or forcing_varies or equations.sources is not None:
-                equations.set_divergence(dt, retained, gamma0)
-            if outer > 0 and curls_vary:
-                boundary.update_normal_curls(equations.velocity.x)
-            if self.slow:
-                allowed = self.residual_together * self.error_speed
-                solved = equations.solve_together(dt, viscosity, inertia, allowed, self.couplings) and solved
-            else:
-                boundary.add_normal_momentum(equations, dt, gamma0, viscosity)
-                exact = self.couplings or outer >= least - 1
-                residuals = self.residuals if exact else np.maximum(self.residuals, FIRST_OUTER)
-                solved = equations.solve_pressure(residuals[0], rounding) and solved
-                solved = equations.solve_velocity(dt, viscosity, gamma0, residuals[1]) and solved
+            equations.form_forcing(dt, outer)
+            solved = equations.solve(step, outer, self.couplings) and solved
             settled = all([coupling.correct(equations) for coupling in self.couplings])
-            if not inertia and extra_stress.nonlinear and not self.problem.carries_stress:
-                # errors that are left would grow: extrapolation multiplies them by up to 15
-                settled = settled and equations.change <= 0.1 * self.tolerance * self.error_speed
-            if settled and outer >= least - 1:
+            if settled and outer >= equations.least_iterations - 1 and equations.settled(step):
                 break
 
         difference, lower = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
@@ -324,8 +303,7 @@ class SplittingScheme(ControlledScheme):
         self.operators.assemble()
         self.grid.sort()
         self.boundary.set_rows()
-        if self.slow:
-            self.equations.stokes.assemble(self.boundary.stokes_rows())
+        self.equations.assemble()
 
     def require_solution(self, solved: bool) -> None:
         """Raise DivergedError where the linear systems have none."""

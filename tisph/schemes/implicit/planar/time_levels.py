@@ -123,7 +123,7 @@ class PlanarCoordinates:
     def __init__(self, operators: Any) -> None:
         self.operators = operators
 
-    def add_centripetal(self, velocity: np.ndarray, forcing: Any, dt: float, repeated: bool) -> None:
+    def add_centripetal(self, velocity: np.ndarray, forcing: Any, dt: float) -> None:
         """Add nothing: planar flow has no centripetal term."""
 
     @ti.func
@@ -210,20 +210,13 @@ class AxisymmetricCoordinates:
 
     def __init__(self, operators: Any) -> None:
         self.operators = operators
-        self.centripetal = ti.field(real(), operators.points.capacity)
 
     @ti.kernel
-    def add_centripetal(self, velocity: ti.template(), forcing: ti.template(), dt: float, repeated: bool):
-        """Add the centripetal term dt W^2 to the radial right-hand side.
-
-        In ``repeated`` outer iterations it replaces the term of the previous iterate.
-
-        """
+    def add_centripetal(self, velocity: ti.template(), forcing: ti.template(), dt: float):
+        """Add the centripetal term dt W^2 to the radial right-hand side."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.operators.points.particles[None]):
-            square = velocity[i].z ** 2
-            forcing[i].y += dt * (square - (self.centripetal[i] if repeated else 0.0))
-            self.centripetal[i] = square
+            forcing[i].y += dt * velocity[i].z ** 2
 
     @ti.func
     def radius(self, i):

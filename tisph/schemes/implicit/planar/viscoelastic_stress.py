@@ -111,11 +111,9 @@ class ViscoelasticStress(ExtraStress):
         self.d_dx.used = self.d_dy.used = None
         self.gradient = ti.field(ti.types.vector(kind.gradient, real()), self.points.capacity)
         self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
-        self.force, self.stress_divergence = (
-            ti.field(ti.types.vector(levels.components, real()), self.points.capacity) for _ in range(2)
-        )
+        self.stress_divergence = ti.field(ti.types.vector(levels.components, real()), self.points.capacity)
         self.fields, self.viscosity, self.parts = (self.tensors,), 0.0, {"polymer": self}
-        scratch = self.gradient, self.implicit_stress, self.force, self.stress_divergence
+        scratch = self.gradient, self.implicit_stress, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
 
@@ -217,7 +215,6 @@ class ViscoelasticStress(ExtraStress):
         if self.source:
             positions = view(self.points.position)[: self.points.fluid].astype(float)
             self.produced = np.stack(self.source(*self.places(positions), time))[: len(self.state)]
-        view(self.force)[...] = 0.0
 
     def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
         """Add dt div (S - 2 nu* D) of a ``velocity`` field to the forcing ``forcing`` of a step ``dt``."""
@@ -350,14 +347,12 @@ class ViscoelasticStress(ExtraStress):
 
     @ti.kernel
     def add_stress_force(self, forcing: ti.template(), dt: float):
-        """Add dt div (S - 2 nu* D) in place of the term of the previous iteration."""
+        """Add dt div (S - 2 nu* D)."""
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
             implicit = self.levels.coordinates.divergence(i, self.implicit_stress, 0, d_dx, d_dy)
-            force = self.stress_divergence[i] - implicit
-            forcing[i] += dt * (force - self.force[i])
-            self.force[i] = force
+            forcing[i] += dt * (self.stress_divergence[i] - implicit)
 
     @ti.kernel
     def level_gradients(self):

@@ -5,7 +5,7 @@ import pytest
 
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.start_up import CircularStartUp, Flow, PipeStartUp, SlippingWall, StartUp, Wall
-from tisph.geometry.motion import WallMotion
+from tisph.geometry.motion import StressControlledWall, WallMotion
 
 WATER = ViscoelasticFluid(1.0, ())
 ACCURACY = 1e-8
@@ -74,6 +74,25 @@ def test_between_cylinders(time, expected):
     assert np.abs(found.velocity(np.linspace(1.0, 2.0, 5), time) - expected).max() < ACCURACY
     if time == 20.0:
         assert found.torque(time, density=1.0) == pytest.approx([-4.0 * np.pi, 4.0 * np.pi], rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("time", "expected"),
+    [
+        (0.02, [1, 0.18773253, 0.010062646, 0.00013269105, 8.2842524e-7]),
+        (0.5, [1, 0.77645147, 0.64934459, 0.60673099, 0.64639283]),
+        (20.0, [1, 1.25, 1.5, 1.75, 2]),
+    ],
+)
+def test_the_layer_of_a_wall_that_jumps_reaches_a_wall_without_friction(time, expected):
+    found = CircularStartUp(1.0, 2.0, WATER, Wall(1.0), wall(np.inf, Wall()))
+    assert np.abs(found.velocity(np.linspace(1.0, 2.0, 5), time) - expected).max() < ACCURACY
+    assert abs(found.torque(time, density=1.0)[1]) < 1e-7
+
+
+def test_a_wall_under_stress_moves_with_a_wall_that_jumps():
+    found = StartUp(WATER, Flow(1.0, Wall(1.0), StressControlledWall(0.5)))
+    assert found.velocity(np.array([0.0, 1.0]), 20.0) == pytest.approx([1.0, 1.5], abs=ACCURACY)
 
 
 def test_spin_up_and_pipe():

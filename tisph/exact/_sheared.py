@@ -198,10 +198,19 @@ class Equations:
         rates = (self.drive(times)[:, None] + self.layer.drift(times)) * self.share
         for place, wall in self.walls.items():
             if wall.stress_controlled:
-                rates[:, place] += self.area[place] * wall.stress(times) / self.mass[place]
+                # the layer at the other wall has a stress here, which the weak form leaves out with its flux
+                outwards = self.layer_stress(place, times) * (-1.0 if place == 0 else 1.0)
+                rates[:, place] += self.area[place] * (wall.stress(times) - outwards) / self.mass[place]
             else:
                 rates[:, place] += wall.acceleration(times)
         return self.layer.shear_rates(times), rates
+
+    def layer_stress(self, place: int, times: np.ndarray) -> np.ndarray | float:
+        """Return the shear stress of the layer, over the lever, (times,) at the node ``place``; 0 without a layer."""
+        if not self.layer.jumps or (place == 0 and self.layer.axis):
+            return 0.0
+        y = self.elements.node_positions[place]
+        return self.fluid.layer_flux(self.layer.shear_rate(y, self.layer.begin + times)) / self.elements.lever(y)
 
     def rates(self, states: np.ndarray, forcing: tuple[Any, Any]) -> np.ndarray:
         """Return dX/dt (times, size) of ``states`` (times, size), with the ``forcing`` at the same times."""

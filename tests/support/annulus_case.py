@@ -1,6 +1,7 @@
 """Fluid between two cylinders, for tests of the implicit scheme at walls of any shape."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 
@@ -43,7 +44,7 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
         reference_velocity=max(1.0, *(way.largest_speed for way in turning)),
         acceleration=acceleration,
         jump_times=tuple(sorted({time for wall in turning for time in wall.jump_times})),
-        **vars(box),
+        **{each.name: getattr(box, each.name) for each in fields(box)},
     )
     return flow, places
 

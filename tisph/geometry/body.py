@@ -131,6 +131,11 @@ class Body:
         return self.motion.free
 
     @property
+    def steady(self) -> bool:
+        """Whether its wall stays where it is, with velocities that never change."""
+        return not (self.free or self.motion.largest_speed(1.0))
+
+    @property
     def in_fluid(self) -> bool:
         """Whether it is a closed wall with the fluid outside."""
         return self.shape.area > 0 and self.shape.fluid_side == "outside"

@@ -29,6 +29,8 @@ class InletProfile:
 class OpenEnd(Body):
     """A line along y that the fluid passes through."""
 
+    steady: ClassVar[bool] = False  # type: ignore[misc]
+
     shape: Line
 
 

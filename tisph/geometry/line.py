@@ -49,10 +49,10 @@ class Line(Shape):
     def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Return the closest points of the wall to ``points`` (n, 2)."""
         away = np.asarray(points, dtype=float) - self.point
-        normal = np.tile(self.normal, (len(away), 1))
-        distance = away @ self.normal
+        normal = self.normal
+        distance = away @ normal
         point = self.point + (away @ self.tangent)[:, None] * np.array(self.tangent)
-        return ClosestPoint(point, normal, np.zeros(len(away)), distance)
+        return ClosestPoint(point, np.tile(normal, (len(away), 1)), np.zeros(len(away)), distance)
 
     def boundary_points(self, spacing: float) -> Boundary:
         """Return points of one period, half a spacing from its ends; ValueError for a line without a period."""

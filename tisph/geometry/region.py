@@ -6,6 +6,7 @@ The cell may be periodic in either direction; the box is whole spacings wide and
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,12 +23,12 @@ class Box:
     spacing: float
     origin: tuple[float, float] = (0.0, 0.0)
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Period along x."""
         return self.columns * self.spacing
 
-    @property
+    @cached_property
     def height(self) -> float:
         """Period along y."""
         return self.rows * self.spacing

@@ -11,7 +11,6 @@ run block by block in a fixed order: the result does not depend on the number of
 
 from typing import Any, Protocol
 
-from tisph.numerics.auxiliary_grid import AuxiliaryGrid
 from tisph.numerics.least_squares import LeastSquaresOperators
 from tisph.runtime import CHUNK, real, scalar, threads, ti, view
 
@@ -338,56 +337,3 @@ class BiCGStab:
         ti.loop_config(serialize=self.serial)
         for i in range(particles):
             self.x[i] -= self.mean[None]
-
-
-DAMPING = 0.8
-"""Damping factor of the Jacobi sweep."""
-
-
-@ti.data_oriented
-class TwoLevel:
-    """Preconditioner of two levels, with which the number of iterations does not depend on the number of particles.
-
-    The solver of the ``grid``, which has sorted the particles, reduces the smooth part of the residual, and a damped
-    Jacobi sweep on the particles the rough part and the errors of the transfers. A second sweep before them costs more
-    than the iterations that it saves. ``walls``: whether points on walls follow the fluid among the unknowns of the
-    ``solver``. Their rows, one-sided derivatives, are not dominated by the diagonal: a further sweep satisfies them for
-    the new values of the fluid.
-    """
-
-    def __init__(self, solver: BiCGStab, grid: AuxiliaryGrid, walls: bool = False):
-        self.solver, self.grid, self.walls, self.points = solver, grid, walls, solver.points
-        self.smooth = ti.field(solver.kind, solver.points.slots + 1)
-        self.nodes = grid.nodes(solver.kind)
-
-    def apply(self) -> None:
-        """Apply one cycle of the preconditioner to the solver's ``input``."""
-        self.restrict()
-        self.grid.invert(self.nodes, float(view(self.solver.sigma)), float(view(self.solver.coefficient)))
-        self.prolong()
-
-    @ti.kernel
-    def restrict(self):
-        """Transfer the solver's ``input`` to the grid."""
-        ti.loop_config(serialize=self.solver.serial)
-        for node in range(self.grid.rows[None] * self.grid.columns[None]):
-            self.nodes[node] = self.grid.deposit(self.solver.input, node)
-
-    @ti.kernel
-    def prolong(self):
-        """Interpolate the solution on the grid, sweep once, and multiply the result by the matrix."""
-        particles = self.solver.number[None]
-        ti.loop_config(serialize=self.solver.serial)
-        for i in range(particles):
-            self.smooth[i] = self.grid.interpolate(self.nodes, i)
-        self.solver.update_ghosts(self.smooth, particles)
-        ti.loop_config(serialize=self.solver.serial)
-        for i in range(particles):
-            damping = DAMPING
-            if ti.static(self.walls):
-                damping = ti.select(i < self.points.n_fluid[None], DAMPING, 0.0)
-            residual = self.solver.input[i] - self.solver.row(self.smooth, i)
-            self.solver.correction[i] = self.smooth[i] + damping * self.solver.inverse[i] * residual
-        if ti.static(self.walls):
-            self.solver.sweep(self.points.n_fluid[None], particles)
-        self.solver.multiply(particles)

@@ -31,8 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.numerics.auxiliary_grid import WalledGrid
-from tisph.numerics.bicgstab import DAMPING
+from tisph.numerics.auxiliary_grid import DAMPING, WalledGrid
 from tisph.runtime import view
 
 STABILISATION = 0.1

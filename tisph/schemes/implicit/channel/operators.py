@@ -29,8 +29,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.numerics.auxiliary_grid import DirichletGrid
-from tisph.numerics.bicgstab import BiCGStab, TwoLevel
+from tisph.numerics.auxiliary_grid import DirichletGrid, TwoLevel
+from tisph.numerics.bicgstab import BiCGStab
 from tisph.numerics.least_squares import FEW, LeastSquaresOperators
 from tisph.numerics.point_cloud import LANES, PointCloud
 from tisph.runtime import holding, real, scalar, ti, view

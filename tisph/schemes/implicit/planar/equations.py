@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from tisph.numerics.bicgstab import BiCGStab, TwoLevel
+from tisph.numerics.auxiliary_grid import TwoLevel
+from tisph.numerics.bicgstab import BiCGStab
 from tisph.numerics.stokes import StokesSolver, Unknowns
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress

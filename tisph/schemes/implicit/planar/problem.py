@@ -1,8 +1,8 @@
 """The problem of two-dimensional flow: a box, a fluid, scales, and the walls in the box. It does not change."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -71,36 +71,36 @@ class Problem(Box):
     kept_mean_velocity: float | None = None
     section_weights: Callable[..., np.ndarray] | None = None
 
-    @property
+    @cached_property
     def bodies(self) -> Sequence[Body]:
         """The bodies whose walls there are."""
         return self.walls.bodies if self.walls else ()
 
-    @property
+    @cached_property
     def particles(self) -> int:
         """Number of points that have operators: fluid particles and points on walls."""
         return self.n_fluid + (self.walls.count if self.walls else 0)
 
-    @property
+    @cached_property
     def crowding(self) -> float:
         """Factor of the largest number of neighbours."""
         return CROWDING if self.contact else CROWDING_AT_ENDS if self.open_ends else 1.0
 
-    @property
+    @cached_property
     def open_ends(self) -> tuple[float, ...]:
         """Places x of the open ends, in the box."""
         return tuple(
             float(body.shape.extent[0, 0]) - self.origin[0] for body in self.bodies if isinstance(body, OpenEnd)
         )
 
-    @property
+    @cached_property
     def solvent_viscosity(self) -> float:
         """Constant kinematic viscosity: of the solvent, or of the whole fluid if it is Newtonian; 0 if it varies."""
         if self.rheology is None:
             return self.kinematic_viscosity
         return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
 
-    @property
+    @cached_property
     def carries_stress(self) -> bool:
         """Whether the fluid has a polymer."""
         return self.rheology is not None and self.rheology.carries_stress
@@ -132,7 +132,7 @@ def problem_of(scene: Any) -> Problem:
         box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
         walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
     return Problem(
-        **vars(box),
+        **{each.name: getattr(box, each.name) for each in fields(box)},
         n_fluid=scene.particles,
         density=scene.density,
         kinematic_viscosity=scene.kinematic_viscosity,

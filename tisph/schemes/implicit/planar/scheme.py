@@ -252,7 +252,8 @@ class PlanarScheme(ControlledScheme):
             return math.inf, 1
         self.assemble(end)
 
-        allowed = self.tolerance * self.error_speed
+        error_speed = self.error_speed
+        allowed = self.tolerance * error_speed
         for coupling in self.couplings:
             coupling.prepare(equations, dt, gamma0, end, allowed)
         extra_stress.prepare(weights, dt, end)
@@ -277,8 +278,8 @@ class PlanarScheme(ControlledScheme):
         tiny, known = TINY * self.problem.reference_velocity, len(self.dts) >= VELOCITIES - 1
         self.roughness = math.log(max(difference, tiny) / max(lower, tiny)) if known else -1.0
         self.require_solution(solved and not math.isnan(difference))
-        error, order = weights.step_error(difference, gamma0, self.error_speed)
-        return error / self.error_speed, order
+        error, order = weights.step_error(difference, gamma0, error_speed)
+        return error / error_speed, order
 
     def add_body_force(self, dt: float, time: float) -> None:
         """Add the body forces to the forcing of a step, and a uniform one to the guess of the very first step."""
@@ -324,14 +325,15 @@ class PlanarScheme(ControlledScheme):
         levels.remap()
         self.extra_stress.remap()
         self.boundary.corners.find_fastest()
-        if self.speed > limits.RUNAWAY * self.problem.reference_velocity:
+        speed = self.speed
+        if speed > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
             raise DivergedError(f"u, v: above {text}{cure}")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             levels.reorder(self.extra_stress.fields)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
-        self.end_step(dt, self.speed)
+        self.end_step(dt, speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]
 
     def snapshot(self, time: float | None = None) -> Snapshot:

@@ -5,7 +5,7 @@
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,11 +32,13 @@ class TimeWeights:
         self.steps, self.unit = steps, unit
         self.offsets = np.cumsum(steps) / unit
 
-    def _weights(self, count: int, functional: Callable[[Any], Any], offsets: np.ndarray | None = None) -> np.ndarray:
-        """Return the weights of the newest values that give a functional, known by its values for 1, t, t^2 ..."""
-        offsets = self.offsets[:count] if offsets is None else offsets
+    def _weights(self, count: int, values: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+        """Return the ``count`` weights of the newest values that give a functional.
+
+        ``values`` (offsets, ...): of the functional for 1, t, t^2 ...
+        """
         powers = np.arange(len(offsets))
-        found = np.linalg.solve((-offsets) ** powers[:, None], np.array([functional(power) for power in powers]))
+        found = np.linalg.solve((-offsets) ** powers[:, None], values)
         return np.concatenate([found, np.zeros((count - len(offsets), *found.shape[1:]))])
 
     def interpolation(self, offset: Any, count: int) -> np.ndarray:
@@ -44,9 +46,11 @@ class TimeWeights:
 
         For offsets (n,) weights are (count, n).
         """
-        if isinstance(offset, float) and offset == self.offsets[0] == 0.0:
+        offsets = self.offsets[:count]
+        if isinstance(offset, float) and offset == offsets[0] == 0.0:
             return np.eye(1, count)[0]  # the newest value itself
-        return self._weights(count, lambda power: (-offset / self.unit) ** power)
+        values = np.power.outer(-np.asarray(offset) / self.unit, np.arange(len(offsets)))
+        return self._weights(count, np.moveaxis(values, -1, 0), offsets)
 
     def extrapolation(self, count: int) -> np.ndarray:
         """Return the weights of ``count`` values that extrapolate them to now."""
@@ -54,12 +58,13 @@ class TimeWeights:
 
     def lower_extrapolation(self) -> np.ndarray:
         """Return the weights of all velocities but the oldest that extrapolate them to now."""
-        return TimeWeights(self.steps[: VELOCITIES - 1], self.unit).extrapolation(VELOCITIES)
+        return TimeWeights(self.steps[: VELOCITIES - 1], self.unit).interpolation(0.0, VELOCITIES)
 
     def integral(self, offset: float) -> np.ndarray:
         """Return the weights of the velocities in the displacement since the time ``offset`` before now."""
-        begin = -offset / self.unit
-        return self.unit * self._weights(VELOCITIES, lambda power: -(begin ** (power + 1)) / (power + 1))
+        offsets = self.offsets[:VELOCITIES]
+        powers = np.arange(1, len(offsets) + 1)
+        return self.unit * self._weights(VELOCITIES, -((-offset / self.unit) ** powers) / powers, offsets)
 
     def step_integral(self) -> np.ndarray:
         """Return the weights of the velocities in the displacement of the step from the newest of them to now."""
@@ -68,7 +73,7 @@ class TimeWeights:
     def bdf(self) -> tuple[float, np.ndarray]:
         """Return gamma_0 and the alpha_q of unit du/dt = gamma_0 u(now) - sum alpha_q u_q, by backward differences."""
         offsets = np.concatenate([[0.0], self.offsets[:ORDER]])
-        gamma0, *alpha = self._weights(ORDER + 1, lambda power: float(power == 1), offsets)
+        gamma0, *alpha = self._weights(ORDER + 1, np.eye(1, len(offsets), 1)[0], offsets)
         weights = np.zeros(VELOCITIES)
         weights[: len(alpha)] = np.negative(alpha)
         return float(gamma0), weights

@@ -17,6 +17,7 @@ import numpy as np
 
 from tisph.geometry.body import BodyState, SlidingWall
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
+from tisph.geometry.line import Line
 from tisph.geometry.shape import Boundary
 
 WALL_DISTANCE = 2.9
@@ -60,6 +61,9 @@ class WallPoints:
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     ``solid`` (count,): whether a point is on a wall, and not on an open end. ``ends``: the open ends among
     the bodies. ``kinds``: the bodies but outlets, and the outlets.
+
+    Steady walls are placed once. ``unsteady``: numbers of the other bodies, ``free`` of those that the flow moves.
+    ``planes``: normal and offset of each straight wall that moves along itself at most, by its number.
     """
 
     across_axis = False
@@ -79,9 +83,24 @@ class WallPoints:
         self.ends = [body for body in bodies if isinstance(body, OpenEnd)]
         self.kinds = [[body for body in bodies if isinstance(body, Outlet) == kind] for kind in (False, True)]
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
+        self.unsteady = [number for number, body in enumerate(bodies) if not body.steady]
+        self.free = [number for number, body in enumerate(bodies) if body.free]
+        self.bulging = [np.maximum(outline.curvature, 0.0) for outline in self.outlines]
         self._kept_time = math.nan
-        self._kept: list[Boundary] = []
-        self._kept_states: list[BodyState] = []
+        self._kept_states: list[BodyState] = [body.at(0.0) for body in bodies]
+        pairs = zip(self._kept_states, self.outlines, strict=True)
+        self._kept: list[Boundary] = [state.placed(outline) for state, outline in pairs]
+        self._points, self._normals = (
+            np.concatenate([getattr(boundary, name) for boundary in self._kept]) for name in ("point", "normal")
+        )
+        pairs = zip(self._kept_states, self._kept, strict=True)
+        self._velocities = np.concatenate([state.velocity(boundary.point) for state, boundary in pairs])
+        self.planes = {}
+        for number, (body, boundary) in enumerate(zip(bodies, self._kept, strict=True)):
+            if isinstance(body.shape, Line) and not (body.free or isinstance(body, OpenEnd)):
+                normal, fastest = boundary.normal[0], (body.motion.x.largest_speed, body.motion.y.largest_speed)
+                if not np.abs(normal) @ fastest:
+                    self.planes[number] = normal, normal @ (boundary.point[0] - self.origin)
 
     def _outline(self, body: Any) -> Boundary:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
@@ -89,14 +108,15 @@ class WallPoints:
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Return positions and normals into the fluid of the points at ``time``, (count, 2) each."""
-        boundaries = self._placed(time)
-        place = np.concatenate([boundary.point for boundary in boundaries])
-        return place - self.origin, np.concatenate([part.normal for part in boundaries])
+        self._placed(time)
+        return self._points - self.origin, self._normals.copy()
 
     def velocities(self, time: float) -> np.ndarray:
         """Return the velocities (count, 2) of the points at ``time``."""
-        pairs = zip(self.states(time), self._placed(time), strict=True)
-        return np.concatenate([state.velocity(boundary.point) for state, boundary in pairs])
+        velocities, states = self._velocities.copy(), self.states(time)
+        for number in self.unsteady:
+            velocities[self.parts[number]] = states[number].velocity(self._kept[number].point)
+        return velocities
 
     def acceleration(self, time: float) -> np.ndarray:
         """Return the accelerations (count, 2) of the points at ``time``."""
@@ -129,8 +149,7 @@ class WallPoints:
         Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: of the measured ``gradients``
         only the shear is used.
         """
-        boundaries = self._placed(time)
-        normal = np.concatenate([part.normal for part in boundaries]).T
+        boundaries, normal = self._placed(time), self._normals.T
         tangent = np.stack([normal[1], -normal[0]])
         pairs = zip(self.bodies, boundaries, strict=True)
         tangents = (np.stack([part.normal[:, 1], -part.normal[:, 0]], axis=1) for part in boundaries)
@@ -199,15 +218,20 @@ class WallPoints:
     def _placed(self, time: float) -> list[Boundary]:
         """Return the points by body at ``time``; the points of the last time are kept for further calls in a step."""
         if self._kept_time != time:
-            self._kept_time, self._kept_states = time, [body.at(time) for body in self.bodies]
-            pairs = zip(self._kept_states, self.outlines, strict=True)
-            self._kept = [state.placed(outline) for state, outline in pairs]
+            self._kept_time = time
+            for number in self.unsteady:
+                state = self._kept_states[number] = self.bodies[number].at(time)
+                boundary = self._kept[number] = state.placed(self.outlines[number])
+                self._points[self.parts[number]] = boundary.point
+                self._normals[self.parts[number]] = boundary.normal
         return self._kept
 
     def states(self, time: float) -> list[BodyState]:
         """Return the bodies at ``time``; free ones anew, since the end of a step corrects how they got there."""
         self._placed(time)
-        return [body.at(time) if body.free else kept for body, kept in zip(self.bodies, self._kept_states, strict=True)]
+        for number in self.free:
+            self._kept_states[number] = self.bodies[number].at(time)
+        return self._kept_states
 
     def distance(self, place: np.ndarray, time: float, of: Sequence[Any]) -> np.ndarray:
         """Return the distances (n,) of positions (n, 2) from the nearest ``of`` the bodies, negative beyond a wall."""
@@ -225,6 +249,11 @@ class WallPoints:
         curvatures = np.zeros((len(place), count))
         places = place + self.origin
         for number, (body, state) in enumerate(zip(self.bodies, self.states(time), strict=True)):
+            if number in self.planes:
+                normal, offset = self.planes[number]
+                planes[:, number] = *normal, offset
+                distances[:, number] = place @ normal - offset
+                continue
             foot = state.nearest(places)
             planes[:, number, :2], distances[:, number] = foot.normal, foot.distance
             planes[:, number, 2] = np.einsum("ni,ni->n", foot.point - self.origin, foot.normal)
@@ -237,8 +266,7 @@ class WallPoints:
 
     def _mean_curvature(self, number: int, foot: Any, time: float) -> np.ndarray:
         """Return the curvatures (n,) of a wall at closest points on it, averaged where it bulges into the fluid."""
-        boundary, result = self._placed(time)[number], foot.curvature.copy()
-        bulging = np.maximum(boundary.curvature, 0.0)
+        boundary, result, bulging = self._placed(time)[number], foot.curvature.copy(), self.bulging[number]
         if np.ptp(bulging):
             near = (foot.distance < CURVED * self.spacing) & (result >= 0.0)
             apart = foot.point[near][:, None] - boundary.point
@@ -305,7 +333,8 @@ class WallsOfRevolution(WallPoints):
 
     def radii(self, time: float) -> np.ndarray:
         """Return the distances (count,) of the points from the axis."""
-        return np.concatenate([boundary.point[:, 1] for boundary in self._placed(time)])
+        self._placed(time)
+        return self._points[:, 1]
 
     def _spins(self, name: str, time: float) -> np.ndarray:
         parts = zip(self.bodies, self.parts, strict=True)
@@ -324,7 +353,7 @@ class WallsOfRevolution(WallPoints):
 
     def gradient_around(self, gradient: np.ndarray) -> np.ndarray:
         """Return derivatives (2, count) of w/r by x and y that agree with walls on which w/r is constant."""
-        normal = np.concatenate([boundary.normal for boundary in self._kept]).T
+        normal = self._normals.T
         return normal * (normal * gradient).sum(axis=0)
 
     def sums(self, tractions: np.ndarray, time: float) -> np.ndarray:

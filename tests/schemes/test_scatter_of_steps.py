@@ -111,12 +111,12 @@ def test_errors_of_a_solution_leave_steps_the_error_of_their_motion():
         bodies, errors = scheme.couplings[0].bodies, []
         for _ in range(12):
             scheme.advance()
-            residual, dt, found = scheme.residual_together, scheme.control.dt_next, []
+            residual, dt, found = scheme.equations.residual, scheme.control.dt_next, []
             for part in (1.0, 1e-3):
-                scheme.residual_together = part * residual
+                scheme.equations.residual = part * residual
                 scheme.attempt(dt)
                 found.append(bodies.arm * bodies.velocities)
-            scheme.residual_together = residual
+            scheme.equations.residual = residual
             errors.append(np.abs(found[0] - found[1]).max() / (scheme.tolerance * scheme.error_speed))
     assert np.sqrt(np.mean(np.square(errors))) < 1.0 / math.sqrt(math.comb(8, 4))
 

@@ -29,7 +29,7 @@ class InletProfile:
 class OpenEnd(Body):
     """A line along y that the fluid passes through."""
 
-    steady: ClassVar[bool] = False  # type: ignore[misc]
+    steady: ClassVar[bool] = False
 
     shape: Line
 

@@ -36,7 +36,7 @@ FIRST_OUTER = 1e-3, 1e-6
 between cylinders are the same to four digits. With couplings, which use the loads as well, none are less exact."""
 
 SETTLED = 0.1
-"""Largest change of the velocities of a liquid without inertia whose viscosity varies, over the tolerance of a step:
+"""Largest change of the velocities of a fluid without inertia whose viscosity varies, over the tolerance of a step:
 errors that are left would grow, as extrapolation multiplies them by up to 15."""
 
 
@@ -368,5 +368,5 @@ class Coupled(Equations):
         return solved
 
     def settled(self, step: Step) -> bool:
-        """Return whether a varying viscosity has settled in a liquid without inertia."""
+        """Return whether a varying viscosity has settled in a fluid without inertia."""
         return not self.must_settle or self.change <= SETTLED * step.allowed

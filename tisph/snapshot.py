@@ -20,6 +20,8 @@ OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND, "passages")
 class Bodies:
     """Positions and motions of the n bodies of a scene at one time, and the loads of the fluid, per length.
 
+    All numbers of a body that is not in the fluid, as it has left or not entered yet, are NaN.
+
     ``centre`` and ``velocity`` (n, 2), ``angle`` [radians] and ``angular_velocity`` (n,), counterclockwise. ``force``
     (n, 2) and ``torque`` (n,) around the centre, in total; ``pressure_force`` and ``pressure_torque``, the part of the
     pressure: NaN before the first step, and for a scheme that does not compute them. ``stresslet`` (n,): integral of
@@ -81,6 +83,15 @@ class Bodies:
             contact_torque=torque,
             contact_stresslet=stresslet,
         )
+
+    def among(self, numbers: Sequence[int], count: int) -> "Bodies":
+        """Return these bodies as those with ``numbers`` among ``count``, with NaN for the others."""
+        found: dict[str, Any] = {}
+        for name, values in vars(self).items():
+            if values is not None:
+                found[name] = np.full((count, *values.shape[1:]), np.nan)
+                found[name][numbers] = values
+        return Bodies(**found)
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,9 @@ else:
 OFF_CENTRE = 1e-4
 """Largest distance of a free body's centre of mass from its centre, over the square root of its area."""
 
-FREE_KEYS = ("density", "mass", "moment_of_inertia", "velocity", "angular_velocity", "hold", "force", "torque")
+FREE_KEYS = (
+    *("density", "mass", "moment_of_inertia", "velocity", "angular_velocity", "hold", "force", "torque", "enters"),
+)
 
 
 class Placed(Model):
@@ -82,7 +84,8 @@ class Placed(Model):
     density of the fluid, or a ``mass`` [mass/length] and a ``moment_of_inertia`` [mass length] around the centre, which
     is its centre of mass; a ``velocity`` [u, v] and an ``angular_velocity`` just before t = 0; an external ``force``
     [fx, fy] [mass/time^2] and ``torque``, per length across the plane; and ``hold``: the coordinates among x, y and
-    angle that keep their initial velocity.
+    angle that keep their initial velocity. It may be in the fluid from the time on at which it ``enters``, by default
+    with the velocities of the fluid in its place.
 
     Parameters of a shape add its size, in the frame of the centre; ``shaped_by`` is the key that defines it.
     """
@@ -101,6 +104,7 @@ class Placed(Model):
     hold: Holds = ()
     force: Point | None = None
     torque: Signed | None = None
+    enters: Positive | None = None
 
     @model_validator(mode="after")
     def _check_free(self) -> "Placed":
@@ -139,7 +143,8 @@ class Placed(Model):
             motion = FreeMotion(self._inertia(surroundings))
         elif self.motion != "fixed":
             motion = self.motion.rigid()
-        return Body(self.shape(), self.centre, self.angle, motion, periods)
+        enters = -math.inf if self.enters is None else self.enters
+        return Body(self.shape(), self.centre, self.angle, motion, periods, enters=enters)
 
     def _inertia(self, surroundings: Any) -> Inertia:
         """Return inertia and external load of a free body.
@@ -158,4 +163,6 @@ class Placed(Model):
         velocity = (*(self.velocity or (0.0, 0.0)), self.angular_velocity or 0.0)
         load = (*force.tolist(), self.torque or 0.0)
         x, y, angle = (name in self.hold for name in FREEDOMS)
-        return Inertia((mass, mass, moment), load, velocity, (x, y, angle))
+        along, turning = (self.enters is not None and each is None for each in (self.velocity, self.angular_velocity))
+        carried = along and not x, along and not y, turning and not angle
+        return Inertia((mass, mass, moment), load, velocity, (x, y, angle), carried)

@@ -38,7 +38,10 @@ Walls = dict[str, Body]
 def problems(
     bodies: Sequence[Body], walls: Walls, spacing: float, times: Iterable[float] = (0.0,)
 ) -> Iterator[Problem]:
-    """Yield the gaps of ``bodies`` that are too small, at the first of the ``times`` at which there are any."""
+    """Yield the gaps of ``bodies`` that are too small, at the first of the ``times`` at which there are any.
+
+    Of bodies that enter later only those are compared which enter at the same time.
+    """
     for time in times:
         found = list(_too_close(bodies, walls, spacing, time))
         if found:
@@ -99,14 +102,16 @@ def _too_close(bodies: Sequence[Body], walls: Walls, spacing: float, time: float
             apart = gap(body, wall, time)
             if apart < least:
                 yield f"bodies.{i}.centre", _words(apart, name, spacing, time)
-    apart, pair = smallest_gap(bodies, time)
-    if pair is None or apart >= least:
-        return
-    i, j = pair
-    if i == j:
-        yield f"bodies.{i}.centre", _words(apart, "its own periodic copy", spacing, time)
-    else:
-        yield f"bodies.{j}.centre", _words(apart, f"bodies.{i}", spacing, time), f"bodies.{i}.centre"
+    for enters in sorted({body.enters for body in bodies}):
+        together = [index for index, body in enumerate(bodies) if body.enters == enters]
+        apart, pair = smallest_gap([bodies[index] for index in together], time)
+        if pair is None or apart >= least:
+            continue
+        i, j = (together[index] for index in pair)
+        if i == j:
+            yield f"bodies.{i}.centre", _words(apart, "its own periodic copy", spacing, time)
+        else:
+            yield f"bodies.{j}.centre", _words(apart, f"bodies.{i}", spacing, time), f"bodies.{i}.centre"
 
 
 def _words(apart: float, name: str, spacing: float, time: float) -> str:

@@ -108,8 +108,8 @@ class Body:
     """``shape`` with its origin at ``centre`` (2,), turned by ``angle`` at t = 0, and its ``motion``.
 
     ``periods`` (2,) of the cell along x and y, infinite where it is not periodic. ``spin``: angular velocity [1/time]
-    around the axis y = 0 of a wall that is a surface of revolution, in axisymmetric flow. ValueError for a line that
-    turns. Points, velocities and accelerations have shape (n, 2).
+    around the axis y = 0 of a wall that is a surface of revolution, in axisymmetric flow. ``enters``: time from which
+    it is in the fluid. ValueError for a line that turns. Points, velocities and accelerations have shape (n, 2).
     """
 
     shape: Shape
@@ -118,6 +118,7 @@ class Body:
     motion: RigidMotion | FreeMotion = REST
     periods: tuple[float, float] = (math.inf, math.inf)
     spin: Any = STILL
+    enters: float = -math.inf
 
     def __post_init__(self) -> None:
         if self.shape.smallest_radius == math.inf and self.motion.rotation.largest_speed:

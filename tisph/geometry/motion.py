@@ -415,14 +415,16 @@ class Inertia:
     """``mass`` (3,): mass, mass and moment of inertia around the centre, per length across the plane.
 
     ``load`` (3,): external force along x and y and torque, weight less buoyancy included. ``velocity`` (3,) before the
-    start; ``held`` (3,): whether each of ``FREEDOMS`` stays at that velocity. ``displaced``: volume of the displaced
-    fluid, where a mean velocity is kept.
+    start; ``held`` (3,): whether each of ``FREEDOMS`` stays at that velocity; ``carried`` (3,): whether a body that
+    enters has the velocity of the fluid in its place instead. ``displaced``: volume of the displaced fluid, where a
+    mean velocity is kept.
     """
 
     mass: tuple[float, float, float]
     load: tuple[float, float, float] = (0.0, 0.0, 0.0)
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     held: tuple[bool, bool, bool] = (False, False, False)
+    carried: tuple[bool, bool, bool] = (False, False, False)
     displaced: float = 0.0
 
 
@@ -441,11 +443,16 @@ class FreeMotion(OfComponents):
     def __init__(self, inertia: Inertia):
         self.inertia = inertia
         self.x, self.y, self.rotation = (_Component(self, index) for index in range(3))
-        self.start(0.0, inertia.velocity)
+        self.reset(0.0)
+
+    def reset(self, time: float) -> None:
+        """Return to the given place of the body and its velocity before the start, at ``time``."""
+        self.way = np.zeros(3)
+        self.start(time, self.inertia.velocity)
 
     def start(self, time: float, velocity: Sequence[float] | np.ndarray) -> None:
-        """Begin at ``time`` with a ``velocity`` (3,), from the given place of the body."""
-        self.way, self.change = np.zeros(3), np.zeros(3)
+        """Begin at ``time`` with a ``velocity`` (3,), from the present place of the body."""
+        self.change = np.zeros(3)
         self.times, self.velocities = [float(time)], [np.array(velocity, dtype=float)]
         self._fit()
 

@@ -12,6 +12,7 @@ apart.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -111,10 +112,10 @@ def pack(region: Region, spacing: float, jitter: float = 0.0, seed: int = 0, cou
     y, in spacings, drawn from ``seed``. ValueError where the lattice has too few places in the region.
     """
     wanted = round(region.area / spacing**2) if count is None else count
-    points = _relaxed(region, _start(region, spacing, wanted), spacing, SWEEPS)
+    points = relaxed(region, _start(region, spacing, wanted), spacing, SWEEPS)
     if jitter:
         points = points + jitter * spacing * np.random.default_rng(seed).uniform(-1.0, 1.0, points.shape)
-        points = _relaxed(region, region.off_walls(points, LEAST_DISTANCE * spacing), spacing, SWEEPS_AFTER_JITTER)
+        points = relaxed(region, region.off_walls(points, LEAST_DISTANCE * spacing), spacing, SWEEPS_AFTER_JITTER)
     return region.wrapped(points)
 
 
@@ -135,10 +136,12 @@ def _start(region: Region, spacing: float, wanted: int) -> np.ndarray:
     return region.off_walls(lattice[deepest], LEAST_DISTANCE * spacing)
 
 
-def _relaxed(region: Region, points: np.ndarray, spacing: float, sweeps: int) -> np.ndarray:
+def relaxed(region: Region, points: np.ndarray, spacing: float, sweeps: int, chosen: Any = slice(None)) -> np.ndarray:
+    """Return ``points`` (n, 2) after ``sweeps`` down the gradient of their density; the ``chosen`` ones move."""
+    points = points.copy()
     for _ in range(sweeps):
-        points = points - DIFFUSION * spacing**2 * _density_gradient(region, points, spacing)
-        points = region.off_walls(points, LEAST_DISTANCE * spacing)
+        moved = points[chosen] - DIFFUSION * spacing**2 * _density_gradient(region, points, spacing)[chosen]
+        points[chosen] = region.off_walls(moved, LEAST_DISTANCE * spacing)
     return points
 
 

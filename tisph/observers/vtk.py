@@ -114,15 +114,17 @@ def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
     """Append the bodies of ``snapshot`` as the next step: number and all fields of ``tisph.snapshot.Bodies``."""
     bodies, scene = snapshot.bodies, about.scene
     immersed: Sequence[Body] = scene.bodies
-    chosen = [index for index, body in enumerate(immersed) if not isinstance(body.shape, Line)]
+    within = ~np.isnan(bodies.angle)
+    chosen = [index for index, body in enumerate(immersed) if not isinstance(body.shape, Line) and within[index]]
     outlines = [_outline(scene, immersed[index], bodies.centre[index], bodies.angle[index]) for index in chosen]
     kinds = [POLYGON if immersed[index].in_fluid else POLY_LINE for index in chosen]
     found = {name: np.asarray(values)[chosen] for name, values in vars(bodies).items() if values is not None}
     found = {name: np.pad(values, ((0, 0), (0, 1))) if values.ndim == 2 else values for name, values in found.items()}
     units = {name: about.units.get(name, "") for name in found}
     root = file.get("VTKHDF") or _begun(file, "CellData", {"body": "", **units}, about)
-    points, sizes = np.pad(np.concatenate(outlines), ((0, 0), (0, 1))), np.array(list(map(len, outlines)))
-    _add_step(root, snapshot.t, points, np.array(kinds), sizes, {"body": np.array(chosen), **found})
+    points = np.pad(np.concatenate([np.empty((0, 2)), *outlines]), ((0, 0), (0, 1)))
+    sizes, kind, number = (np.array(each, dtype=int) for each in (list(map(len, outlines)), kinds, chosen))
+    _add_step(root, snapshot.t, points, kind, sizes, {"body": number, **found})
 
 
 def _outline(scene: Scene, body: Body, centre: np.ndarray, angle: float) -> np.ndarray:

@@ -50,8 +50,11 @@ class Dye:
         if self._colours is None:
             self._colours = self._share(places)
         elif snapshot.passages is not None and self._passages is not None:
-            entered = snapshot.passages != self._passages
-            self._colours = np.where(entered, self._band(places[:, 1]), self._colours)
+            entered, known = np.ones(len(places), dtype=bool), min(len(places), len(self._passages))
+            entered[:known] = snapshot.passages[:known] != self._passages[:known]
+            colours = self._band(places[:, 1])
+            colours[~entered] = self._colours[: len(places)][~entered[:known]]
+            self._colours = colours
         self._passages = snapshot.passages
         return self._colours
 

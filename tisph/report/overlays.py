@@ -84,6 +84,8 @@ class Solids:
         areas, lines = np.zeros(self._shape, dtype=np.uint8), []
         turns = np.sign(bodies.angular_velocity)
         for solid, k in zip(self._solids, self._chosen, strict=True):
+            if np.isnan(bodies.angle[k]):  # not in the fluid
+                continue
             for edge, strokes in solid.drawn(bodies.centre[k], bodies.angle[k], turns[k]):
                 area = filled(self._layout.pixel_positions(*edge.T), self._shape)
                 areas = np.maximum(areas, self._parts[k] * (area if solid.encloses else LEVELS - area))
@@ -226,13 +228,16 @@ class Tracks:
         paths = np.array([self._seen[time] for time in times])
         pieces = [piece for path in paths.transpose(1, 0, 2) for piece in self._pieces(path) if len(piece) > 1]
         self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T[:2]) for piece in pieces))
-        blend(panel, self._head.cover(self._layout.pixel_positions(*paths[-1].T[:2])), style.rgb(INK))
+        heads = paths[-1][np.isfinite(paths[-1]).all(axis=1)]
+        blend(panel, self._head.cover(self._layout.pixel_positions(*heads.T[:2])), style.rgb(INK))
 
     def _places(self, snapshot: Snapshot) -> np.ndarray:
         """Return where they are in the box, and how often each has left through an outlet, (n, 3)."""
-        chosen = style.evenly_chosen(len(snapshot.x), _PARTICLES)
+        chosen = style.evenly_chosen(self._scene.particles, _PARTICLES)
         passages = np.zeros(len(snapshot.x)) if snapshot.passages is None else snapshot.passages
-        return np.stack([snapshot.x[chosen], snapshot.y[chosen], passages[chosen]], axis=1).astype(float)
+        places, there = np.full((len(chosen), 3), np.nan), chosen < len(snapshot.x)  # others make room for a body
+        places[there] = np.stack([each[chosen[there]] for each in (snapshot.x, snapshot.y, passages)], axis=1)
+        return places
 
     def _pieces(self, path: np.ndarray) -> list[np.ndarray]:
         """Return a path (frames, 3) in pieces between the sides and outlets through which it has left the box."""

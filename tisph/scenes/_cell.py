@@ -53,6 +53,11 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
         yield from still_problem(config, "drive.acceleration", remedy)
     if config.contact and not free:
         yield "contact", "is for free bodies: give one the motion free, or leave it out"
+    for index, body in enumerate(bodies):
+        if body.enters > config.start_time and not config.has_open_ends:
+            yield f"bodies.{index}.enters", "is for a channel with open ends: leave it out"
+        elif body.enters >= config.time.end:
+            yield f"bodies.{index}.enters", "must be before the end of the run"
     if config.drive.gravity and not free:
         yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
     given = config.bodies
@@ -252,13 +257,13 @@ class Cell(CellFlow):
     def movie_series(self) -> TimeSeries:
         """Return forces on the bodies, or on the walls of a cell without bodies.
 
-        With free bodies: the distance of two; of many the relative viscosity in shear, else mean velocities. Of the
-        first ``SHOWN`` of few the velocities along their weight or force; in shear the angles of those that are not
-        round, one ellipse beside Jeffery's orbit; else the heights.
+        With free bodies: the distance of two, without open ends; of many the relative viscosity in shear, else mean
+        velocities. Of the first ``SHOWN`` of few the velocities along their weight or force; in shear the angles of
+        those that are not round, one ellipse beside Jeffery's orbit; else the heights.
         """
         if not self.has_free_bodies:
             return self.time_series().only(("drag", "lift"), "force per length", "force")
-        if len(self._free) == 2:
+        if len(self._free) == 2 and not self.has_open_ends:
             return self._distance_series()
         if self._means_only and self.mean_stress_names:
             return self._relative_viscosity_series()

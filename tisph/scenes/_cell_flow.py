@@ -269,10 +269,11 @@ class CellFlow(BodyScene):
         return self._gap(self.start_time, POINTS)
 
     def _gap(self, t: float, points: int, below: float = math.inf) -> tuple[float, str]:
-        gap, pair = smallest_gap(self.solids, t, points, below)
+        present = [index for index, body in enumerate(self.solids) if body.enters <= self.start_time]
+        gap, pair = smallest_gap([self.solids[index] for index in present], t, points, below)
         if pair is None:
             return math.inf, ""
-        one, other = map(self._named, pair)
+        one, other = (self._named(present[index]) for index in pair)
         return gap, f"the gap between {one} and {other if one != other else 'its periodic copy'}"
 
     def _named(self, index: int) -> str:
@@ -355,8 +356,9 @@ class CellFlow(BodyScene):
         bodies = bodies_in(snapshot)
         values: Any
         if self._means_only:
-            mean = bodies.velocity[chosen].mean(axis=0)
-            values = [*mean, np.abs(bodies.angular_velocity[chosen]).mean()]
+            inside = [index for index in chosen if not np.isnan(bodies.angle[index])]
+            mean = bodies.velocity[inside].mean(axis=0) if inside else [math.nan, math.nan]
+            values = [*mean, np.abs(bodies.angular_velocity[inside]).mean() if inside else math.nan]
         else:
             parts = bodies.centre, bodies.angle[:, None], bodies.velocity, bodies.angular_velocity[:, None]
             values = np.hstack([part[chosen] for part in parts]).ravel()

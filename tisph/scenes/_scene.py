@@ -21,7 +21,7 @@ import numpy as np
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.ends import OpenEnd
-from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
+from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
 from tisph.geometry.outline import EndToEnd
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
@@ -490,6 +490,10 @@ LEAST_JITTER = 0.05
 tear it along the diagonals, because repulsive displacements cancel there."""
 
 
+ABSENT = 1e3
+"""Distance, in lengths of the cell, at which a body is ``seen`` that is not in the fluid."""
+
+
 class BodyScene(Scene):
     """A scene with ``bodies``: fluid around them, and within them where the box is not ``periodic``.
 
@@ -503,7 +507,8 @@ class BodyScene(Scene):
     @cached_property
     def region(self) -> Region:
         """The fluid's region at t = 0."""
-        return Region(self.bodies, self.origin, tuple(np.add(self.origin, self.extent)), self.periodic)
+        bodies = tuple(body for body in self.bodies if body.enters <= self.start_time)
+        return Region(bodies, self.origin, tuple(np.add(self.origin, self.extent)), self.periodic)
 
     @cached_property
     def particles(self) -> int:
@@ -516,17 +521,20 @@ class BodyScene(Scene):
         return x, y
 
     def seen(self, snapshot: Snapshot) -> "BodyScene":
-        """See ``Scene.seen``."""
+        """See ``Scene.seen``; bodies that are not in the fluid are far away."""
         if not self.has_free_bodies:
             return self
         bodies, found = list(self.bodies), bodies_in(snapshot)
         for index, body in enumerate(self.bodies):
-            if body.free:
+            if body.free and np.isnan(found.angle[index]):
+                far = ABSENT * (1 + index) * self.extent[0]
+                bodies[index] = replace(body, centre=(far, 0.0), motion=REST, enters=math.inf)
+            elif body.free:
                 velocity, rotation = found.velocity[index], float(found.angular_velocity[index])
                 motion = RigidMotion(*(WallMotion(float(part)) for part in (*velocity, rotation)))
                 centre = tuple((found.centre[index] - snapshot.t * velocity).tolist())
                 angle = float(found.angle[index]) - snapshot.t * rotation
-                bodies[index] = replace(body, centre=centre, angle=angle, motion=motion)
+                bodies[index] = replace(body, centre=centre, angle=angle, motion=motion, enters=-math.inf)
         changed: Any = {"bodies": tuple(bodies)}
         scene = replace(self, **changed)
         vars(scene)["region"] = self.region  # only its area is needed, which stays

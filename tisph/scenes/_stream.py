@@ -217,7 +217,7 @@ class Stream(Cell):
         clear = LEAST_DISTANCE * self.spacing
         moved = [
             replace(body, centre=tuple(clear * body.shape.normal)) if isinstance(body, OpenEnd) else body
-            for body in self.bodies
+            for body in self.region.bodies
         ]
         return replace(self.region, bodies=tuple(moved))
 
@@ -249,8 +249,13 @@ class Stream(Cell):
 
     @property
     def jump_times(self) -> tuple[float, ...]:
-        """Times at which the acceleration of the inflow jumps."""
-        return self.inlet.course.jump_times
+        """Times at which the acceleration of the inflow jumps, or a body enters."""
+        return tuple(sorted({*self.inlet.course.jump_times, *self._entry_times}))
+
+    @property
+    def _entry_times(self) -> set[float]:
+        """Times at which bodies enter."""
+        return {body.enters for body in self.bodies if body.enters > self.start_time}
 
     @cached_property
     def reference_length(self) -> float:
@@ -316,6 +321,8 @@ class Stream(Cell):
             return np.full(len(points), np.nan)
         low, high = points[:, 0].min() - BAND * self.spacing, points[:, 0].max() + BAND * self.spacing
         near = np.flatnonzero((snapshot.x >= low) & (snapshot.x <= high))
+        if not len(near):  # at a body that is not in the fluid
+            return np.full(len(points), np.nan)
         positions, pressure = np.stack([snapshot.x[near], snapshot.y[near]], axis=1), snapshot.pressure[near, None]
         return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
 
@@ -497,8 +504,8 @@ class PressureStream(Stream):
 
     @property
     def jump_times(self) -> tuple[float, ...]:
-        """None: the pressures are constant."""
-        return ()
+        """Times at which a body enters; the pressures are constant."""
+        return tuple(sorted(self._entry_times))
 
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:

@@ -85,6 +85,9 @@ class Scheme(Protocol):
     def host_state(self) -> Mapping[str, Any]:
         """Return everything else that a resumed run needs, as plain data that JSON can hold."""
 
+    def make_room(self, state: Mapping[str, Any]) -> None:
+        """Make the fields as large as those of a ``host_state``; bodies may have left, and particles replaced them."""
+
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the data of ``host_state``; the fields are restored already."""
 

@@ -52,6 +52,9 @@ class Kept:
         """Return the numbers outside the fields that a resumed run needs."""
         return {name: getattr(self, name) for name in self.kept}
 
+    def make_room(self, state: Mapping[str, Any]) -> None:
+        """Leave the fields as they are: they have the size of those of a ``host_state``."""
+
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``, which may be among others."""
         vars(self).update({name: state[name] for name in self.kept})

@@ -105,6 +105,7 @@ def restore(path: Path, scheme: Scheme, config: str, targets: Sequence[float] = 
         made_with = file.attrs["config"]
         if made_with != config:
             require_fit(path, made_with, config, host["time"])
+        scheme.make_room(host)
         for name, values in _values(scheme):
             if file[name].shape != values.shape:
                 raise ValueError(f"{name} has the shape {file[name].shape}, not {values.shape}")

@@ -75,7 +75,10 @@ def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarra
     if "pressure" in scene.fields:
         state["pressure"] = scene.exact("pressure", x, y, scene.start_time)
     if scene.bodies:
-        state["bodies"] = Bodies.at(scene.start_time, scene.in_flow_frame().bodies)
+        bodies = scene.in_flow_frame().bodies
+        present = [number for number, body in enumerate(bodies) if body.enters <= scene.start_time]
+        found = Bodies.at(scene.start_time, [bodies[number] for number in present])
+        state["bodies"] = found if len(present) == len(bodies) else found.among(present, len(bodies))
     if scene.has_open_ends:
         state["passages"] = np.zeros(len(x), dtype=int)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)

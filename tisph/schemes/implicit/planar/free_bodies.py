@@ -36,7 +36,7 @@ from typing import Any
 import numpy as np
 
 from tisph.errors import DivergedError
-from tisph.geometry.ends import OpenEnd
+from tisph.geometry.ends import Inlet, OpenEnd
 from tisph.numerics.stokes import Unknowns, WallRows
 from tisph.runtime import real, scalar, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
@@ -201,7 +201,7 @@ class FreeBodies:
     def reset(self, time: float) -> None:
         """Go back to before the start, at ``time``."""
         for motion in self.motions:
-            motion.start(time, motion.inertia.velocity)
+            motion.reset(time)
         self.contact.reset()
 
     def restart(self) -> None:
@@ -357,7 +357,8 @@ class FreeBodyPart(BoundaryPart):
         self.boundary, self.problem, self.points = boundary, boundary.problem, boundary.points
         self.bodies, self.slots = FreeBodies(self.problem), boundary.slots
         bodies = boundary.walls.bodies
-        self.free, self.ends = [bodies[number] for number in self.bodies.index], boundary.walls.ends
+        self.free = [bodies[number] for number in self.bodies.index]
+        self.inlets = [end for end in boundary.walls.ends if isinstance(end, Inlet)]
         self.continued = ti.field(real(), self.points.capacity)
         self.narrow = ti.field(ti.i32, self.points.capacity)
         self.per_spacing = scalar(1.0 / self.problem.spacing)
@@ -376,12 +377,12 @@ class FreeBodyPart(BoundaryPart):
         return not self.bodies.overlap
 
     def accept(self, time: float) -> None:
-        """Raise DivergedError where a body has come to an open end, at ``time``."""
-        for body, end in itertools.product(self.free, self.ends):
+        """Raise DivergedError where a body has come to an inlet, at ``time``; through outlets it leaves."""
+        for body, end in itertools.product(self.free, self.inlets):
             away = float(end.nearest(body.at(time).centre[None]).distance[0]) - body.bounding_radius
             if away < NARROW * self.problem.spacing:
-                name, place = type(end).__name__.lower(), body.at(time).centre
-                text = f"x: a free body at ({place[0]:.4g}, {place[1]:.4g}) reaches the {name} at t = {time:.4g}"
+                x, y = body.at(time).centre
+                text = f"x: a free body at ({x:.4g}, {y:.4g}) reaches the inlet at t = {time:.4g}"
                 raise DivergedError(f"{text}: let the run end before, or make the channel longer")
 
     def forget(self) -> None:

@@ -31,7 +31,7 @@ A stress T with such components exerts the force, the last two over r,
 """
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -83,7 +83,7 @@ class GeneralisedNewtonianStress(ExtraStress):
             return 1.0
         return view(self.points.position)[: self.points.fluid, 1].astype(float) + self.lowest_radius
 
-    def begin(self) -> None:
+    def begin(self, values: Sequence[np.ndarray] = ()) -> None:
         """Find the stress of the newest velocities, whose gradients are measured."""
         self.find(self.levels.fields, self.levels.d_dx, self.levels.d_dy)
 

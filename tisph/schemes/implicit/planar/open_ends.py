@@ -81,6 +81,20 @@ def first_coefficient(basis: np.ndarray, weight: np.ndarray) -> np.ndarray:
     return (inverse[:, :1] @ weighted)[:, 0]
 
 
+def nearest_fits(
+    tree: Any, places: np.ndarray, powers: Sequence[tuple[int, int]], around: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return indices and weights (n, ``around``) of the points of a ``tree`` that give values at ``places`` (n, 2).
+
+    ``powers`` of x and y in the polynomials through those ``around`` a place.
+    """
+    distance, nearest = tree.query(places, around)
+    radius = distance[:, -1:]
+    x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
+    basis = np.stack([x**a * y**b for a, b in powers], axis=1)
+    return nearest, first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
+
+
 @ti.data_oriented
 class OpenEnds(BoundaryPart):
     """The ``BoundaryPart`` of open ends, an inlet and an outlet or two outlets: the last bodies, in this order.
@@ -409,11 +423,7 @@ class OpenEnds(BoundaryPart):
 
         near = self.from_ends(of_sources) < 2.0 * UNJUDGED
         sources, tree = sources[near], cKDTree(of_sources[near])
-        distance, nearest = tree.query(places, around)
-        radius = distance[:, -1:]
-        x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
-        basis = np.stack([x**a * y**b for a, b in powers], axis=1)
-        weights = first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
+        nearest, weights = nearest_fits(tree, places, powers, around)
         for field in self.carried_fields:
             values = view(field)[sources[nearest]].astype(float)
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)

@@ -56,8 +56,8 @@ class ExtraStress:
         """Return the viscosities (points,) of the implicit part of the stress: the ``viscosity`` of the step."""
         return np.full(points, viscosity)
 
-    def begin(self) -> None:
-        """Compute the stress of the first velocities."""
+    def begin(self, values: Sequence[np.ndarray] = ()) -> None:
+        """Compute the stress of the first velocities, with ``values`` of the ``fields`` that earlier flow has left."""
 
     def prepare(self, weights: TimeWeights, dt: float, time: float) -> None:
         """Begin a step ``dt`` that ends at ``time``."""

@@ -1,7 +1,7 @@
 """The problem of two-dimensional flow: a box, a fluid, scales, and the walls in the box. It does not change."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -44,6 +44,7 @@ class Problem(Box):
     * ``body_force``, ``conformation_source``: functions of places and time, see ``Scene``.
     * ``axisymmetric``: whether y is the distance from an axis; ``annular``: whether an inner wall keeps the fluid away
       from the axis; ``swirls``: whether the fluid may turn around it.
+    * ``all_bodies``: those among ``walls``, and free ones that have not entered yet or have left.
     * ``inertia``: whether fluid and bodies have inertia; without it the flow is Stokes flow at every time.
     * ``jump_times``: times at which the velocity of a wall, or its acceleration, jumps.
     """
@@ -55,6 +56,7 @@ class Problem(Box):
     start_time: float = 0.0
     inertia: bool = True
     walls: WallPoints | None = None
+    all_bodies: Sequence[Body] = ()
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
     rheology: Any = None
@@ -75,6 +77,20 @@ class Problem(Box):
     def bodies(self) -> Sequence[Body]:
         """The bodies whose walls there are."""
         return self.walls.bodies if self.walls else ()
+
+    def restarted(
+        self, walls: WallPoints, n_fluid: int, time: float, place: np.ndarray, velocity: np.ndarray
+    ) -> "Problem":
+        """Return the problem from ``time`` on, with other ``walls`` and another number of particles.
+
+        Before the start the fluid has the ``velocity`` (count, components) at the points on walls, which are at
+        ``place`` (count, 2).
+        """
+        from scipy.interpolate import NearestNDInterpolator
+
+        at = NearestNDInterpolator(place, velocity)
+        before = {"initial_velocity": lambda x, y: at(x, y).T}
+        return replace(self, walls=walls, n_fluid=n_fluid, start_time=time, has_own_start=True, **before)
 
     @cached_property
     def particles(self) -> int:
@@ -130,7 +146,8 @@ def problem_of(scene: Any) -> Problem:
         least = 0.5 * (LEAST_BOX * scene.spacing - min(scene.extent))
         margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
         box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
-        walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(scene.bodies, scene.spacing, box.origin)
+        present = [body for body in scene.bodies if body.enters <= scene.start_time]
+        walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(present, scene.spacing, box.origin)
     return Problem(
         **{each.name: getattr(box, each.name) for each in fields(box)},
         n_fluid=scene.particles,
@@ -140,6 +157,7 @@ def problem_of(scene: Any) -> Problem:
         start_time=scene.start_time,
         inertia=scene.inertia,
         walls=walls,
+        all_bodies=scene.bodies,
         acceleration=(scene.acceleration if scene.bodies else 0.0, 0.0),
         corners=scene.corners,
         rheology=scene.rheology,

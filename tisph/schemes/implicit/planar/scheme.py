@@ -6,6 +6,7 @@ The method is the velocity correction of G. E. Karniadakis, M. Israeli, S. A. Or
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from tisph.numerics.shifting import TRAVEL, FickianShifting
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
+from tisph.schemes.implicit.planar.body_exchange import BodyExchange, Particles
 from tisph.schemes.implicit.planar.equations import Coupled, Equations, Splitting, Step
 from tisph.schemes.implicit.planar.free_bodies import FreeBodyPart
 from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
@@ -87,10 +89,19 @@ class PlanarScheme(ControlledScheme):
         tolerance: float | None = limits.TOLERANCE,
         courant: float = COURANT,
     ) -> None:
-        self.problem, self.initial_momentum, walls = problem, 0.0, problem.walls
-        self.points = points_of(problem, serial)
+        self.serial, self.initial_momentum = serial, 0.0
+        self.coupled = limits.is_slow(problem, courant)
+        self.control = limits.step_control(problem, targets, tolerance, courant)
+        self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
+        self.exchange = BodyExchange(problem)
+        self.build(problem)
+        self.reset()
+
+    def build(self, problem: Problem) -> None:
+        """Make the parts of a step of a ``problem``, and their fields."""
+        self.problem, walls, coupled = problem, problem.walls, self.coupled
+        self.points = points_of(problem, self.serial)
         self.operators = operators_of(problem, self.points)
-        coupled = limits.is_slow(problem, courant)
         self.grid: WalledGrid | PeriodicGrid
         if walls:
             self.grid = WalledGrid(self.points, problem, velocities=coupled)
@@ -106,8 +117,6 @@ class PlanarScheme(ControlledScheme):
         self.boundary, self.couplings = boundary_of(
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
-        self.control = limits.step_control(problem, targets, tolerance, courant)
-        self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
         parts = problem, self.levels, self.grid, self.boundary, self.extra_stress
         residuals = limits.residuals(self.tolerance, rounding)
         self.equations: Equations = (
@@ -115,7 +124,6 @@ class PlanarScheme(ControlledScheme):
             if coupled
             else Splitting(*parts, residuals)
         )
-        self.reset()
 
     def reset(self) -> None:
         """Return to the state before the first step."""
@@ -132,17 +140,29 @@ class PlanarScheme(ControlledScheme):
         Polymers start without ``stress``.
         """
         self.initial_momentum = float(velocity[:, 0].sum())
-        fluid, levels, residual = self.problem.n_fluid, self.levels, self.equations.residuals[0]
+        self.place(position, self.problem.unknowns(velocity, position[:, 1]), np.arange(len(position)))
+        if self.problem.inertia:
+            self.find_start()
+        else:
+            self.start_without_inertia()
+
+    def place(self, position: np.ndarray, unknowns: np.ndarray, number: np.ndarray) -> None:
+        """Place the particles with these newest velocities (particles, components) and numbers (particles,)."""
+        fluid, levels = self.problem.n_fluid, self.levels
         active(levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(levels.fields)[...] = 0.0
-        unknowns = self.problem.unknowns(velocity, position[:, 1])
         active(levels.fields)[:fluid, : levels.components] = unknowns
-        active(levels.number)[:fluid] = np.arange(len(position))
+        active(levels.number)[:fluid] = number
         view(levels.step_weights)[...] = 0.0
         levels.move_points()
-        if not self.problem.inertia:
-            self.start_without_inertia()
-            return
+
+    def find_start(self, stress: Sequence[np.ndarray] = ()) -> None:
+        """Find impulse, pressure and loads for the velocities of the particles; ``stress``: see ``ExtraStress.begin``.
+
+        With inertia they determine the flow at the start.
+        """
+        fluid, levels, residual = self.problem.n_fluid, self.levels, self.equations.residuals[0]
+        unknowns = active(levels.fields)[:fluid, : levels.components].copy()
         self.assemble(self.time)
         solved = self.boundary.apply_impulse(self.equations, residual)
         solved = all([solved, *(coupling.start(self.equations, residual) for coupling in self.couplings)])
@@ -152,7 +172,7 @@ class PlanarScheme(ControlledScheme):
             change = np.abs(active(levels.fields)[:fluid, : levels.components] - unknowns).max()
             self.removed_divergence = float(change / (np.abs(unknowns).max() or 1.0))
         levels.measure()
-        self.extra_stress.begin()
+        self.extra_stress.begin(stress)
         forced = self.problem.body_force is not None
         if forced:
             view(self.equations.forcing)[:fluid] = self.body_force(self.time)[:fluid]
@@ -183,6 +203,8 @@ class PlanarScheme(ControlledScheme):
 
     def advance(self) -> None:
         """Take one step, in as many attempts as its error asks for; raise DivergedError where it runs away."""
+        if self.exchange.leaving(self.time) or self.exchange.entering(self.time):
+            self.exchange_bodies()
         if self.time in self.problem.jump_times:
             self.dts = []  # no polynomial in time continues past a jump
             self.boundary.jump(self.time)
@@ -198,6 +220,31 @@ class PlanarScheme(ControlledScheme):
         if self.equations.may_scatter:
             self.control.notice_scatter(error, self.roughness)
         self.accept_step(dt)
+
+    def exchange_bodies(self) -> None:
+        """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""
+        problem, levels, state = self.problem, self.levels, self.boundary.host_state()
+        fluid, slots = slice(problem.n_fluid), self.boundary.slots
+        unknowns = active(levels.fields)[: problem.particles, : levels.components]
+        fields = [unknowns.astype(float), *(active(field).astype(float) for field in self.extra_stress.fields)]
+        number, place = active(levels.number)[fluid].copy(), active(levels.position)[fluid] + np.array(problem.origin)
+        particles = Particles(place, [field[fluid] for field in fields], number, np.array(state["passages"]))
+        new, on_walls = self.exchange.exchange(problem, particles, [field[slots] for field in fields], self.time)
+        self.build(new)
+        boundary = self.boundary
+        assert isinstance(boundary, WallBoundary)
+        self.exchange.restore_parts(boundary.parts, state, particles)
+        self.dts, self.output_cache = [], None
+        self.place(particles.position, particles.fields[0], particles.number)
+        boundary.newest_velocities[boundary.slots] = on_walls[0]
+        stress = [np.concatenate(pair) for pair in zip(particles.fields[1:], on_walls[1:], strict=True)]
+        if problem.inertia:
+            self.find_start(stress)
+        else:
+            boundary.move(self.time)
+            boundary.store_normal_curls()
+            self.extra_stress.begin(stress)
+            self.settle()
 
     def settle(self) -> None:
         """Without inertia: find the flow of the present time by a step in which next to nothing moves."""
@@ -382,7 +429,7 @@ class PlanarScheme(ControlledScheme):
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
             density=np.full(len(position), problem.density),
             pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
-            **boundary.seen(time, weights, offset),
+            **self.exchange.seen(boundary.seen(time, weights, offset)),
             velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
             acceleration=next((each.drive for each in self.couplings if each.drive is not None), None),
@@ -406,6 +453,7 @@ class PlanarScheme(ControlledScheme):
             "iterations_pressure": self.iterations[0] / max(self.steps, 1),
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
             **self.boundary.numbers(),
+            **self.exchange.numbers(),
         }
 
     def parts(self) -> dict[str, Any]:
@@ -415,7 +463,16 @@ class PlanarScheme(ControlledScheme):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         couplings = [coupling.host_state() for coupling in self.couplings]
-        return {**super().host_state(), "walls": self.boundary.host_state(), "couplings": couplings}
+        walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.problem.n_fluid}
+        return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies}
+
+    def make_room(self, state: Mapping[str, Any]) -> None:
+        """Make as many particles and points on walls as a ``host_state`` has."""
+        if self.exchange.restore(state["bodies"]):
+            problem = self.problem
+            assert problem.walls is not None
+            walls = type(problem.walls)(self.exchange.in_fluid, problem.spacing, problem.origin)
+            self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
@@ -444,7 +501,7 @@ def boundary_of(
     if problem.walls is None:
         return Boundary(problem, levels), []
     boundary = WallBoundary(problem, levels, shift, grid, extra_stress, SUPPORT)
-    if problem.contact:
+    if any(body.free for body in problem.bodies):
         boundary.add(FreeBodyPart(boundary))
     if problem.open_ends:
         boundary.add(OpenEnds(boundary))

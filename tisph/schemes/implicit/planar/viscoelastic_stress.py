@@ -151,10 +151,12 @@ class ViscoelasticStress(ExtraStress):
         values = view(self.tensors)[: self.points.fluid]
         return values.reshape(len(values), ORDER, self.size).transpose(1, 2, 0)
 
-    def begin(self) -> None:
-        """Start from rest, without stress, or from the initial state of the problem."""
+    def begin(self, values: Sequence[np.ndarray] = ()) -> None:
+        """Start from rest, without stress, or from the initial state of the problem, or from ``values`` of P."""
         view(self.tensors)[...] = 0.0
-        if self.initial_conformation_excess:
+        if values:
+            view(self.tensors)[: self.points.fluid] = values[0]
+        elif self.initial_conformation_excess:
             positions = view(self.points.position)[: self.points.fluid].astype(float) + self.origin
             modes = self.initial_conformation_excess(*positions.T)
             self.states[0] = self.logarithms(modes)

@@ -62,7 +62,7 @@ def passed(tmp_path_factory):
         return numbers_of(simulation), scheme.numbers(), counts, (state.x, state.y, state.u, state.v), path
 
 
-def test_a_body_that_has_left_is_gone_and_the_run_goes_on(passed):
+def test_a_body_that_has_left_is_gone(passed):
     found, numbers, counts, *_ = passed
     assert 0.05 < numbers["left_0"] < 0.1
     assert all(math.isnan(found[f"{name}_0"]) for name in MOTION)
@@ -72,7 +72,7 @@ def test_a_body_that_has_left_is_gone_and_the_run_goes_on(passed):
     assert counts[-1] == counts[0]
 
 
-def test_a_body_that_enters_moves_as_one_that_was_there_at_the_start(passed):
+def test_a_body_that_enters_moves_as_from_the_start(passed):
     """Both begin with the mean velocities of the fluid in developed flow, to which the other one has not come."""
     found, *_ = passed
     first, *_ = run({**STREAM, "bodies": [{**CIRCLE, **CARRIED, "centre": [0.6, 0.35]}], "time": {"end": 0.14}})
@@ -81,7 +81,7 @@ def test_a_body_that_enters_moves_as_one_that_was_there_at_the_start(passed):
     assert apart[4] < 2e-2
 
 
-def test_a_restarted_run_has_the_same_bits_after_bodies_have_left_and_entered(passed):
+def test_a_restart_after_bodies_have_left_and_entered_has_the_same_bits(passed):
     *_, fields, path = passed
     with tisph.Simulation.restore(path) as simulation:
         while not simulation.finished:

@@ -108,7 +108,7 @@ def test_other_features_go_with_it(changes):
         assert u == pytest.approx(6.0 * y * (1.0 - y) - 12.0 * 0.15**2 / 4.0, rel=0.05)
 
 
-def test_a_body_that_sinks_to_the_inlet_ends_the_run_with_advice_that_helps():
+def test_a_body_that_sinks_to_the_inlet_ends_the_run():
     sinking = {**STREAM, "drive": {"gravity": [-400.0, 0.0]}, "time": {"end": 0.1}}
     sinking |= {"bodies": [{**STREAM["bodies"][0], "centre": [0.3, 0.4], "density": 2.0}]}
     with pytest.raises(DivergedError, match=r"reaches the inlet at t = 0.*make the channel longer"):

@@ -89,8 +89,12 @@ class Problem(Box):
         from scipy.interpolate import NearestNDInterpolator
 
         at = NearestNDInterpolator(place, velocity)
-        before = {"initial_velocity": lambda x, y: at(x, y).T}
-        return replace(self, walls=walls, n_fluid=n_fluid, start_time=time, has_own_start=True, **before)
+
+        def before(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+            return at(x, y).T
+
+        changes: Any = {"initial_velocity": before, "has_own_start": True}
+        return replace(self, walls=walls, n_fluid=n_fluid, start_time=time, **changes)
 
     @cached_property
     def particles(self) -> int:

@@ -218,6 +218,7 @@ class Tracks:
     def __init__(self, scene: Any, layout: Layout):
         self._scene, self._layout = scene, layout
         self._seen: dict[float, np.ndarray] = {}
+        self._count = 0
         self._strokes = Strokes(self.width * layout.scale, layout.box.shape)
         self._head = Discs(self.width * _DOT * layout.scale, layout.box.shape)
 
@@ -233,7 +234,8 @@ class Tracks:
 
     def _places(self, snapshot: Snapshot) -> np.ndarray:
         """Return where they are in the box, and how often each has left through an outlet, (n, 3)."""
-        chosen = style.evenly_chosen(self._scene.particles, _PARTICLES)
+        self._count = self._count or len(snapshot.x)
+        chosen = style.evenly_chosen(self._count, _PARTICLES)
         passages = np.zeros(len(snapshot.x)) if snapshot.passages is None else snapshot.passages
         places, there = np.full((len(chosen), 3), np.nan), chosen < len(snapshot.x)  # others make room for a body
         places[there] = np.stack([each[chosen[there]] for each in (snapshot.x, snapshot.y, passages)], axis=1)

@@ -368,5 +368,5 @@ class Coupled(Equations):
         return solved
 
     def settled(self, step: Step) -> bool:
-        """Return whether a varying viscosity has settled in a fluid without inertia."""
+        """Return whether the velocities hardly change, where the viscosity varies in a fluid without inertia."""
         return not self.must_settle or self.change <= SETTLED * step.allowed

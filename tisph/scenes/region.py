@@ -139,9 +139,14 @@ class RegionOfRevolution(AxisymmetricScene):
 
     @property
     def velocity_scale(self) -> float:
-        """Speed of the fastest wall or body, or a rough estimate of the speed that the acceleration drives."""
+        """Speed of the fastest wall or body, or a rough estimate of the speed that the acceleration drives.
+
+        In a pipe the viscosity bounds it, past bodies the inertia as well.
+        """
         drive, width = abs(self.acceleration), self.reference_length
-        driven = min(drive * width**2 / (4.0 * self.kinematic_viscosity), math.sqrt(drive * width))
+        driven = drive * width**2 / (4.0 * self.kinematic_viscosity)
+        if self.count:
+            driven = min(driven, math.sqrt(drive * width))
         return max(super().velocity_scale, driven)
 
     @property

@@ -68,7 +68,8 @@ REFUSED = {
     "channel": r"ends\.(left|right)\.type",  # both have to be exchanged
     "region": r"walls\..*\.(velocity_before|shear_stress|stress_amplitude|stresses|velocities|times|mass_per_area"
     r"|slip_length)"
-    r"|turning\.angular_velocity_before",
+    r"|turning\.angular_velocity_before|ends\.(left|right)\.(type|pressure)",
+    "pipe": r"ends\.(left|right)\.(type|pressure)",
     "taylor_couette": r"walls\.(inner|outer)\.angular_velocity_before",
 }
 """Scene -> pattern of the keys of a model that it shares with other scenes, and that it always refuses."""

@@ -96,11 +96,10 @@ class End(Model):
                 raise refusals([(("velocity",), text, {} if self.velocity is None else self.velocity)])
         return self
 
-    @property
-    def jumps_at_walls(self) -> bool:
-        """Whether the velocity of the fluid at a wall is not 0."""
+    def jumps_at_walls(self, on_axis: bool = False) -> bool:
+        """Return whether the velocity of the fluid at a wall is not 0; ``on_axis``: the lower end is no wall."""
         ends = self.profile.velocities[:: len(self.profile.velocities) - 1] if isinstance(self.profile, Table) else ()
-        return self.profile == "uniform" or any(ends)
+        return self.profile == "uniform" or any(ends[1:] if on_axis else ends)
 
 
 class Ends(Model):

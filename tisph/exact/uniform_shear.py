@@ -66,21 +66,22 @@ class UniformShear:
         wall_rate = brentq(lambda rate: self.steady(rate)[0] - at_wall, 0.0, highest, rtol=1e-6)
         return self._developed(wall_rate, gap)[0]
 
-    def developed(self, mean: float, gap: float) -> tuple[np.ndarray, np.ndarray]:
+    def developed(self, mean: float, gap: float, pipe: bool = False) -> tuple[np.ndarray, np.ndarray]:
         """Return distances from mid-gap (n,), up to gap/2, and shear rates (n,) of developed flow.
 
-        ``mean``: mean velocity > 0 in the ``gap``.
+        ``mean``: mean velocity > 0 in the ``gap``, or in a ``pipe`` of this diameter.
         """
         from scipy.optimize import newton
 
-        newtonian = np.log(6.0 * mean / gap)
-        found = newton(lambda log: np.log(self._developed(np.exp(log), gap)[0] / mean), newtonian, tol=1e-9)
-        return self._developed(np.exp(found), gap)[1:]
+        newtonian = np.log((8.0 if pipe else 6.0) * mean / gap)
+        found = newton(lambda log: np.log(self._developed(np.exp(log), gap, pipe)[0] / mean), newtonian, tol=1e-9)
+        return self._developed(np.exp(found), gap, pipe)[1:]
 
-    def _developed(self, wall_rate: float, gap: float) -> tuple[float, np.ndarray, np.ndarray]:
+    def _developed(self, wall_rate: float, gap: float, pipe: bool = False) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the mean velocity, distances from mid-gap (n,), and shear rates (n,), by the rate at the walls.
 
-        The stress is proportional to the distance. u_mean = 2/gap * integral of rate * distance, from 0 to gap/2.
+        The stress is proportional to the distance s. u_mean is the integral of rate * s from 0 to gap/2, over gap/2; in
+        a ``pipe`` of rate * s^2, over (gap/2)^2.
         """
         from scipy.interpolate import CubicSpline
 
@@ -88,6 +89,8 @@ class UniformShear:
         stresses = self._stresses(self.steady_states(rates), rates)[0]
         distances = 0.5 * gap * stresses / stresses[-1]
         mean = 2.0 / gap * CubicSpline(distances, rates * distances).integrate(0.0, 0.5 * gap)
+        if pipe:
+            mean = 4.0 / gap**2 * CubicSpline(distances, rates * distances**2).integrate(0.0, 0.5 * gap)
         return float(mean), distances, rates
 
     def steady_states(self, rates: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 An end is no wall, but the operators see it as one: it has points, a normal into the fluid, and the fluid on one side.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -19,7 +20,10 @@ row of points have large entries."""
 
 @dataclass(frozen=True)
 class InletProfile:
-    """Velocity through an inlet over the height y, for a mean velocity of 1: ``value`` and ``slope``, its dy."""
+    """Velocity through an inlet over the height y, for a mean velocity of 1: ``value`` and ``slope``, its dy.
+
+    Around an axis y is the radius, and the mean velocity is the flow rate over the area of the inlet.
+    """
 
     value: Callable[[np.ndarray], np.ndarray]
     slope: Callable[[np.ndarray], np.ndarray]
@@ -27,11 +31,18 @@ class InletProfile:
 
 @dataclass(frozen=True, kw_only=True)
 class OpenEnd(Body):
-    """A line along y that the fluid passes through."""
+    """A line along y that the fluid passes through; if ``axisymmetric`` the surface that it sweeps around y = 0."""
 
     steady: ClassVar[bool] = False
 
     shape: Line
+    axisymmetric: bool = False
+
+    @property
+    def area(self) -> float:
+        """Area that the fluid passes through, per length across the plane if that is not ``axisymmetric``."""
+        low, high = self.shape.extent[:, 1].tolist()
+        return math.pi * (high - low) * (high + low) if self.axisymmetric else self.shape.length
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,12 +50,13 @@ class Inlet(OpenEnd):
     """An end with the velocity ``course`` (t) * ``profile`` (y) into the fluid, along its normal.
 
     ``oscillation``: None, or a profile whose complex amplitudes, times e^(i w t), are added and have no flow rate; w
-    is the angular frequency of the course.
+    is the angular frequency of the course. ``swirl`` (A, B): velocity A r + B/r around the axis.
     """
 
     profile: InletProfile
     course: Any
     oscillation: Any = None
+    swirl: tuple[float, float] = (0.0, 0.0)
 
     def _inwards(self, part: str, points: np.ndarray, time: float, order: int = 0) -> np.ndarray:
         """Return the time derivative of an ``order`` 0 or 1 of a ``part`` of the profiles, along the normal."""
@@ -62,6 +74,11 @@ class Inlet(OpenEnd):
     def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the acceleration of the fluid at ``points``, of a flow that has been parallel upstream."""
         return self._inwards("value", points, state.time, order=1)
+
+    def turning(self, radius: np.ndarray) -> np.ndarray:
+        """Return the angular velocity (n,) of the fluid around the axis at each ``radius`` (n,), constant in time."""
+        rate, vortex = self.swirl
+        return rate + vortex / radius**2
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the velocity along ``tangents`` (n, 2) at ``points``."""

@@ -113,12 +113,13 @@ class BiCGStab:
     @ti.func
     def row(self, values: ti.template(), i):
         """Return row ``i`` of the matrix times ``values``."""
-        laplacian = self.operators.apply(self.operators.laplacian, values, i)
+        derivative = self.operators.apply(self.operators.laplacian, values, i)
+        laplacian = derivative
         if ti.static(self.hoop):
             laplacian += self.operators.hoop(values, i)
         result = self.sigma[None] * values[i] - self.coefficient[None] * laplacian
         if ti.static(self.has_outlet):
-            result = ti.select(i < self.points.n_fluid[None], result, -self.outlet_part(i) * laplacian)
+            result = ti.select(i < self.points.n_fluid[None], result, -self.outlet_part(i) * derivative)
         return result
 
     @ti.func

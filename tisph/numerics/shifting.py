@@ -212,7 +212,10 @@ class FickianShifting(Shifting):
             displacement += self.displacement_off_walls(i)
         for end in ti.static(range(self.open)):
             away = ti.abs(self.points.position[i].x - self.ends[end]) * self.per_spacing[None]
-            displacement.x *= ti.max(0.0, ti.min(1.0, 0.5 * away - 1.0))
+            inside = ti.max(0.0, ti.min(1.0, 0.5 * away - 1.0))
+            displacement.x *= inside
+            if ti.static(self.sweeps > SWEEPS):  # along one axis alone particles would be pushed past others
+                displacement *= inside + (1.0 - inside) * SWEEPS / self.sweeps
         return displacement
 
     @ti.func

@@ -9,6 +9,8 @@ velocities u of the fluid and pressures p of all points, fluid and walls (docs/t
     M sigma X - F(u, p) = load                                       of bodies that the flow carries,   (12)
     n . G u = -n_x D_y v,   n . G v = 0,   p = -nu D_y v + S_yy      at an outlet,                      (13)
 
+with -D_y v - v/r, and the pressure of ``OpenEnds.outlet_pressure``, around an axis,
+
 where U is the velocity of the walls, to which X of the bodies contributes. At an outlet, an end along y, (13) gives the
 velocities and pressures there, which are no unknowns, by those of the other points. D G has modes of the pressure that
 oscillate from particle to particle, and L has none. With tau = 1/sigma the solution would be the converged one of the
@@ -180,8 +182,11 @@ class StokesSolver:
     def complete(self, velocity: np.ndarray) -> np.ndarray:
         """Set a ``velocity`` (components, points) at the outlet by (13), in place; return du/dx (count,) there."""
         u, v = velocity[0], velocity[1]
-        v[self.last :] = self.outlet_row.solve(-(self.others_row @ v[: self.last]))
+        for each in velocity[1:]:
+            each[self.last :] = self.outlet_row.solve(-(self.others_row @ each[: self.last]))
         change = -(self.outlet_y @ v)
+        if self.axisymmetric:
+            change = self.radius[self.last :] ** 2 * change - 2.0 * v[self.last :]
         u[self.last :] = self.outlet_row.solve(self.rows.outlet * change - self.others_row @ u[: self.last])
         return change
 

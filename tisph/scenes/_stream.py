@@ -49,10 +49,14 @@ def course_of(given: Any) -> Any:
 
 
 def heights_at(config: Any, side: str) -> tuple[float, float]:
-    """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel."""
-    walls, end = config.walls, 0 if side == "left" else -1
-    low, high = (wall.outline and wall.outline[end][1] for wall in (walls.bottom, walls.top))
-    return low or 0.0, config.geometry.gap if high is None else high
+    """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel.
+
+    Around an axis these are the radii of the inner and the outer wall.
+    """
+    end, lowest = 0 if side == "left" else -1, config.geometry.inner_radius if config.axisymmetric else 0.0
+    walls = (getattr(config.walls, name, None) for name in ("bottom", "top"))
+    low, high = (wall.outline[end][1] if wall and getattr(wall, "outline", None) else None for wall in walls)
+    return lowest if low is None else low, lowest + config.extent[1] if high is None else high
 
 
 def end_lines(config: Any) -> dict[str, Line]:
@@ -60,8 +64,23 @@ def end_lines(config: Any) -> dict[str, Line]:
     (left_low, left_high), (low, high) = (heights_at(config, side) for side in ("left", "right"))
     return {
         "left": Line((0.0, left_high), (0.0, -1.0), left_high - left_low),
-        "right": Line((config.geometry.length, low), (0.0, 1.0), high - low),
+        "right": Line((config.extent[0], low), (0.0, 1.0), high - low),
     }
+
+
+def inlet_and_outlet(config: Any) -> dict[str, Any]:
+    """Return the ``Inlet`` and the ``Outlet`` of a ``config``, in this order, by their sides."""
+    places, around = end_lines(config), config.axisymmetric
+    sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
+    heights = heights_at(config, sides[0])
+    inlet = Inlet(
+        shape=places[sides[0]],
+        axisymmetric=around,
+        profile=profile_of(config, *heights),
+        course=course_of(config.ends.inlet),
+        oscillation=None if around else Pulsation.of(config, *heights),
+    )
+    return {sides[0]: inlet, sides[1]: Outlet(shape=places[sides[1]], axisymmetric=around)}
 
 
 @dataclass(frozen=True)
@@ -71,8 +90,12 @@ class InletFlow:
     inlet: Inlet
 
     def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the velocities (2, ...) along x and y at t = 0."""
-        return self.inlet.velocity(np.stack([np.ravel(x), np.ravel(y)], axis=1)).T.reshape(2, *np.shape(x))
+        """Return the velocities (2, ...) along x and y at t = 0; with the swirl (3, ...) around an axis."""
+        places = np.stack([np.ravel(x), np.ravel(y)], axis=1)
+        found = self.inlet.velocity(places).T
+        if self.inlet.axisymmetric:
+            found = np.append(found, [places[:, 1] * self.inlet.turning(places[:, 1])], axis=0)
+        return found.reshape(len(found), *np.shape(x))
 
 
 @dataclass(frozen=True)
@@ -143,6 +166,8 @@ def profile_of(config: Any, low: float, high: float) -> InletProfile:
     """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
     from scipy.interpolate import CubicSpline
 
+    if config.axisymmetric:
+        return _profile_around_axis(config, low, high)
     given, width = config.ends.inlet.profile, high - low
     if given == "uniform" or (not depends_on_flow_rate(config) and given in ("developed", "parabolic")):
         part = Polynomial([-low, 1.0]) / width
@@ -158,6 +183,69 @@ def profile_of(config: Any, low: float, high: float) -> InletProfile:
         profile = CubicSpline(low + np.array(given.heights), given.velocities)
     profile.c *= width / profile.integrate(low, high)
     return InletProfile(profile, profile.derivative())
+
+
+@dataclass(frozen=True)
+class BetweenPipes:
+    """Developed flow of a Newtonian fluid between radii r_1 = ``low`` and R = ``high``, with a mean velocity of 1.
+
+    With q = r/R and k = r_1/R, u = 2 (1 - q^2 - (1 - k^2) ln q/ln k) / (1 + k^2 + (1 - k^2)/ln k), and 2 (1 - q^2) for
+    k = 0. Source: R. B. Bird, W. E. Stewart, E. N. Lightfoot, Transport Phenomena (2002), section 2.4.
+    """
+
+    low: float
+    high: float
+
+    def value(self, r: np.ndarray) -> np.ndarray:
+        """Return the velocity at each radius."""
+        part, scale = self._parts
+        return scale * (1.0 - (r / self.high) ** 2 - (part * np.log(r / self.high) if self.low else 0.0))
+
+    def slope(self, r: np.ndarray) -> np.ndarray:
+        """Return the derivative of ``value``."""
+        part, scale = self._parts
+        return -scale * (2.0 * r / self.high**2 + (part / r if self.low else 0.0))
+
+    @property
+    def _parts(self) -> tuple[float, float]:
+        k = self.low / self.high
+        part = (1.0 - k**2) / math.log(k) if self.low else 0.0
+        return part, 2.0 / (1.0 + k**2 + part)
+
+
+def _profile_around_axis(config: Any, low: float, high: float) -> InletProfile:
+    """Return the profile over the radius from ``low`` to ``high``, with a mean of 1 over the area of the inlet."""
+    from scipy.interpolate import CubicSpline
+
+    given, area = config.ends.inlet.profile, 0.5 * (high**2 - low**2)
+    if given == "uniform":
+        return InletProfile(Polynomial([1.0]), Polynomial([0.0]))
+    if not depends_on_flow_rate(config) and given in ("developed", "parabolic"):
+        between = BetweenPipes(low, high)
+        return InletProfile(between.value, between.slope)
+    if depends_on_flow_rate(config):
+        fluid = fluid_of(config.fluid.rheology, config.kinematic_viscosity, config.fluid.density)
+        flow = UniformShear(fluid.flux, fluid.laws)
+        distances, rates = flow.developed(config.ends.inlet.velocity, 2.0 * high, pipe=True)
+        profile = CubicSpline(distances, -rates).antiderivative()
+        profile.c[-1] -= profile(high)
+    else:
+        even = ((1, 0.0), "not-a-knot") if not low else "not-a-knot"
+        profile = CubicSpline(low + np.array(given.heights), given.velocities, bc_type=even)
+    once = profile.antiderivative()
+    twice = once.antiderivative()
+    profile.c *= area / (high * once(high) - low * once(low) - (twice(high) - twice(low)))  # integral of r u dr
+    return InletProfile(profile, profile.derivative())
+
+
+def end_problems(config: Any) -> Iterator[Problem]:
+    """Yield the errors in the config of a flow through open ends."""
+    if config.drive.acceleration:
+        yield "drive.acceleration", "must be 0: the inlet drives the flow"
+    if 0.0 < config.initial.jitter < JITTER:
+        text = f"must be 0, which means {JITTER:g}, or {JITTER:g} to 0.5 with open ends"
+        yield "initial.jitter", f"{text}: columns of a lattice would leave all at once"
+    yield from profile_problems(config)
 
 
 def profile_problems(config: Any) -> Iterator[Problem]:
@@ -187,29 +275,13 @@ def profile_problems(config: Any) -> Iterator[Problem]:
         yield f"{key}.velocities", "must be more points: the cubic spline through these is negative in between"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Stream(Cell):
-    """Flow through a channel from an inlet to an outlet: the last two ``bodies``, in this order."""
+class OpenEnded:
+    """Members of scenes whose last two ``bodies`` are an inlet and an outlet, or two outlets."""
 
-    without_bodies = "the inlet"
-
-    @classmethod
-    def from_config(cls, config: Any) -> "Cell":
-        """Return the scene that a validated config describes."""
-        walls = walls_along(config)
-        places = end_lines(config)
-        sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
-        heights = heights_at(config, sides[0])
-        inlet = Inlet(
-            shape=places[sides[0]],
-            profile=profile_of(config, *heights),
-            course=course_of(config.ends.inlet),
-            oscillation=Pulsation.of(config, *heights),
-        )
-        ends = {sides[0]: inlet, sides[1]: Outlet(shape=places[sides[1]])}
-        bodies = bodies_of(config, {**walls, **ends})
-        developed = InletFlow(inlet) if config.initial.state == "developed" else None
-        return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
+    bodies: tuple[Body, ...]
+    spacing: float
+    region: Region
+    axisymmetric: bool
 
     @cached_property
     def _filled(self) -> Region:
@@ -238,11 +310,6 @@ class Stream(Cell):
         return self.bodies[-2]  # type: ignore[return-value]
 
     @property
-    def driven_wall(self) -> float:
-        """Speed of the fastest body, or the largest mean velocity through the inlet."""
-        return max(super().driven_wall, self._through)
-
-    @property
     def _through(self) -> float:
         """Largest mean velocity through the inlet."""
         return self.inlet.course.largest_speed
@@ -257,11 +324,6 @@ class Stream(Cell):
         """Times at which bodies enter."""
         return {body.enters for body in self.bodies if body.enters > self.start_time}
 
-    @cached_property
-    def reference_length(self) -> float:
-        """Height of the largest body in its initial orientation; the width of the inlet without bodies."""
-        return super().reference_length if self.count else self.inlet.shape.length
-
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
@@ -274,26 +336,13 @@ class Stream(Cell):
         course = self.inlet.course
         return isinstance(course, Course) and not course.wave.amplitude
 
-    @property
-    def flow_quantities(self) -> tuple[str, ...]:
-        """Loads on bodies, motions of free ones, the pressure drop, where flow separates at a step and reattaches."""
-        moved = [name for name in super().flow_quantities if name != VELOCITY]
-        places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
-        return (*moved, *(["pressure_drop"] if not self._jumps else []), *places)
-
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
-        """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
-        return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
-
     @cached_property
     def _jumps(self) -> bool:
         """Whether the velocity of the inlet jumps at a wall: pressure and stress are then infinite at that corner."""
-        return bool(np.abs(self.inlet.profile.value(self.inlet.shape.extent[:, 1])).max() > 1e-9)
-
-    def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
-        """Return the loads on bodies and walls by name; None for walls at which the velocity of the inlet jumps."""
-        infinite = tuple(self.names[self.count :]) if self._jumps else ()
-        return {name: None if name.endswith(infinite) else load for name, load in super().loads(snapshot).items()}
+        walls = self.inlet.shape.extent[:, 1]
+        if self.axisymmetric:
+            walls = walls[walls > 0.0]
+        return bool(np.abs(self.inlet.profile.value(walls)).max() > 1e-9)
 
     @property
     def solids(self) -> tuple[Body, ...]:
@@ -303,14 +352,16 @@ class Stream(Cell):
     def velocities(self, snapshot: Snapshot) -> dict[str, float]:
         """Return the flow rates ``inflow`` and ``outflow`` per length across the plane, and the ``pressure_drop``.
 
-        NaN before the first step; the pressure drop is NaN as well where the velocity of the inlet jumps at a wall.
+        Around an axis they are volumes per time, and pressures are means over the areas of the ends. NaN before the
+        first step; the pressure drop is NaN as well where the velocity of the inlet jumps at a wall.
         """
         if snapshot.flow_rates is None:
             return dict.fromkeys(("inflow", "outflow", "pressure_drop"), math.nan)
         inflow, outflow = float(snapshot.flow_rates[0]), -float(snapshot.flow_rates[1])
+        places = [body.boundary_points(self.spacing).point for body in self.bodies[-2:]]
         at_ends = [
-            float(self._pressures(snapshot, body.boundary_points(self.spacing).point).mean())
-            for body in self.bodies[-2:]
+            float(np.average(self._pressures(snapshot, each), weights=each[:, 1] if self.axisymmetric else None))
+            for each in places
         ]
         drop = math.nan if self._jumps else at_ends[0] - at_ends[1]
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": drop}
@@ -324,7 +375,50 @@ class Stream(Cell):
         if not len(near):  # at a body that is not in the fluid
             return np.full(len(points), np.nan)
         positions, pressure = np.stack([snapshot.x[near], snapshot.y[near]], axis=1), snapshot.pressure[near, None]
+        if self.axisymmetric:  # fits are even in the radius
+            positions, pressure = np.concatenate([positions, positions * [1.0, -1.0]]), np.tile(pressure, (2, 1))
         return interpolated(self, positions.astype(float), pressure.astype(float), points, BEYOND)[:, 0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stream(OpenEnded, Cell):
+    """Flow through a channel from an inlet to an outlet: the last two ``bodies``, in this order."""
+
+    without_bodies = "the inlet"
+
+    @classmethod
+    def from_config(cls, config: Any) -> "Cell":
+        """Return the scene that a validated config describes."""
+        walls, ends = walls_along(config), inlet_and_outlet(config)
+        bodies = bodies_of(config, {**walls, **ends})
+        developed = InletFlow(next(iter(ends.values()))) if config.initial.state == "developed" else None
+        return cls.around(config, bodies, {**walls, **ends}, walls=planes(walls), initial_velocity=developed)
+
+    @property
+    def driven_wall(self) -> float:
+        """Speed of the fastest body, or the largest mean velocity through the inlet."""
+        return max(super().driven_wall, self._through)
+
+    @cached_property
+    def reference_length(self) -> float:
+        """Height of the largest body in its initial orientation; the width of the inlet without bodies."""
+        return super().reference_length if self.count else self.inlet.shape.length
+
+    @property
+    def flow_quantities(self) -> tuple[str, ...]:
+        """Loads on bodies, motions of free ones, the pressure drop, where flow separates at a step and reattaches."""
+        moved = [name for name in super().flow_quantities if name != VELOCITY]
+        places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
+        return (*moved, *(["pressure_drop"] if not self._jumps else []), *places)
+
+    def thinnest_layer(self, t: float) -> tuple[float, str]:
+        """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
+        return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
+
+    def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
+        """Return the loads on bodies and walls by name; None for walls at which the velocity of the inlet jumps."""
+        infinite = tuple(self.names[self.count :]) if self._jumps else ()
+        return {name: None if name.endswith(infinite) else load for name, load in super().loads(snapshot).items()}
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
         """Return ``free_motions``, ``loads``, their coefficients, flow rates, pressures and ``planar_diagnostics``.

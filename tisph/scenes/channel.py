@@ -243,7 +243,7 @@ class Config(schema.Config):
     @property
     def singular(self) -> bool:
         """Whether the velocity of the inlet jumps at walls."""
-        return self.ends is not None and self.ends.inlet is not None and self.ends.inlet.jumps_at_walls
+        return self.ends is not None and self.ends.inlet is not None and self.ends.inlet.jumps_at_walls()
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -444,15 +444,10 @@ def outlined_wall_problems(config: Any) -> Iterator[Problem]:
 
 def _problems_with_ends(config: Config) -> Iterator[Problem]:
     """Yield the errors in the config of a channel with open ends."""
-    from tisph.scenes._stream import JITTER, profile_problems
+    from tisph.scenes._stream import end_problems
 
     for side in SIDES:
         wall = getattr(config.walls, side)
         if wall.velocity or wall.amplitude or wall.velocities or wall.stress_controlled:
             yield f"walls.{side}", "must be at rest: with open ends no wall moves yet"
-    if config.drive.acceleration:
-        yield "drive.acceleration", "must be 0: the inlet drives the flow"
-    if 0.0 < config.initial.jitter < JITTER:
-        text = f"must be 0, which means {JITTER:g}, or {JITTER:g} to 0.5 with open ends"
-        yield "initial.jitter", f"{text}: columns of a lattice would leave all at once"
-    yield from profile_problems(config)
+    yield from end_problems(config)

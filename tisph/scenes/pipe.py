@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.ends import Ends
 from tisph.config.motion import Amplitude
 from tisph.config.motion import WallMotion as Oscillation
 from tisph.exact._fluids import Rheology, fluid_of
@@ -88,10 +89,27 @@ class Config(_axisymmetric.Config):
     geometry: Geometry
     walls: Walls = Walls()
     drive: Annotated[Drive, Field(default_factory=lambda: Drive.model_validate({}))]
+    ends: Ends | None = None
     initial: Initial = Initial()
 
+    unset_keys = (*_axisymmetric.Config.unset_keys, "ends")
     across_name = "the pipe from the innermost radius to the outermost"
-    has_exact_velocity = True
+
+    @property
+    def has_exact_velocity(self) -> bool:
+        """Whether the exact velocity is known: not behind an inlet."""
+        return self.ends is None
+
+    @property
+    def periodic(self) -> tuple[bool, bool]:
+        """Whether the box is periodic in x and y."""
+        return self.ends is None, False
+
+    @property
+    def singular(self) -> bool:
+        """Whether the velocity of the inlet jumps at walls."""
+        inlet = self.ends.inlet if self.ends else None
+        return inlet is not None and inlet.jumps_at_walls(on_axis=not self.inner_radius)
 
     @property
     def inner_radius(self) -> float:
@@ -108,13 +126,35 @@ class Config(_axisymmetric.Config):
         """Time at which the run's clock starts [time]: ``initial.time`` for state ``exact``, else 0."""
         return self.initial.time
 
+    @property
+    def flow(self) -> str:
+        """See ``schema.Config.flow``."""
+        return "Flow through a pipe with open ends" if self.ends else super().flow
+
+    @property
+    def placed_walls(self) -> dict[str, Body]:
+        """Walls by name, the inner one first."""
+        given = {"inner": self.walls.inner or Cylinder()} if self.inner_radius else {}
+        radii, length = (self.inner_radius, self.outer_radius), self.geometry.length
+        walls = {**given, "outer": self.walls.outer}
+        return {name: _wall(name, wall, radii, length) for name, wall in walls.items()}
+
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
         yield from super().problems()
-        yield from start_problems(self, ())
         inner, outer = self.walls.inner or Cylinder(), self.walls.outer
         if self.walls.inner and not self.inner_radius:
             yield "walls.inner", "needs a geometry.inner_radius above 0"
+        if self.ends:
+            from tisph.scenes._region_of_revolution import stream_problems
+
+            yield from stream_problems(self, {f"walls.{name}": wall for name, wall in self.placed_walls.items()})
+            if self.drive.amplitude:
+                yield "drive.amplitude", "must be left out: the inlet drives the flow"
+            if self.initial.state == "exact":
+                yield "initial.state", "must be rest or developed: with open ends no exact flow is known"
+            return
+        yield from start_problems(self, ())
         along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.amplitude)
         around = bool(inner.angular_velocity or outer.angular_velocity)
         if not along and not around:
@@ -145,18 +185,20 @@ class Scene(AxisymmetricScene):
         return ("u", "v", "w", *STRESSES) if self._flows[0] else ("u", "v", "w", "pressure", *AROUND)
 
     @classmethod
-    def from_config(cls, config: Any) -> "Scene":
-        """Return the scene that a validated config describes."""
-        radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
-        given = {"inner": config.walls.inner or Cylinder()} if config.inner_radius else {}
-        given["outer"] = config.walls.outer
+    def from_config(cls, config: Any) -> Any:
+        """Return the scene that a validated config describes; with open ends a ``StreamOfRevolution``."""
+        walls = config.placed_walls
+        if config.ends:
+            from tisph.scenes._region_of_revolution import StreamOfRevolution
+
+            return StreamOfRevolution.around(config, {}, walls)
         return cls(
             **cls.fluid_of(config),
-            length=length,
-            inner_radius=radii[0],
-            outer_radius=radii[1],
-            names=tuple(given),
-            bodies=tuple(_wall(name, wall, radii, length) for name, wall in given.items()),
+            length=config.geometry.length,
+            inner_radius=config.inner_radius,
+            outer_radius=config.outer_radius,
+            names=tuple(walls),
+            bodies=tuple(walls.values()),
             acceleration=config.drive.acceleration or 0.0,
             pulsation=WallMotion.from_config(config.drive) if config.drive.amplitude else None,
             initial_state=config.initial.state,

@@ -13,8 +13,8 @@ own; any other outline is one wall.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Annotated, Any, Literal, cast
 
 import numpy as np
@@ -23,33 +23,29 @@ from pydantic import Field, model_validator
 from tisph.bodies._clearance import LEAST_GAP
 from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, refusals
+from tisph.config.ends import Ends
 from tisph.config.fields import Bodies, Member, nearest
-from tisph.geometry.body import Body, gap
+from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
-from tisph.measures.fits import section_mean
-from tisph.scenes import _axisymmetric, annulus
-from tisph.scenes._axisymmetric import AxisymmetricScene, layer_at_plates
+from tisph.scenes import annulus
 from tisph.scenes._cell import Cell, Surroundings, bodies_of, cell_problems, planes, walls_along
 from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
-from tisph.scenes._scene import farthest, open_place
-from tisph.scenes._views import Profile, TimeSeries
+from tisph.scenes._region_of_revolution import RegionOfRevolution, StreamOfRevolution, stream_problems
+from tisph.scenes._scene import farthest
+from tisph.scenes._stream import end_lines
 from tisph.scenes.annulus import turning_of
 from tisph.scenes.channel import Wall, outlined_wall_problems
-from tisph.snapshot import Snapshot
 
 LEAST_ANGLE = np.radians(49.9)
 """Least angle of sharp corners, on the axis, too: flow in a cone of 45 degrees diverged with 16 particles across."""
-
-POINTS = 100
-"""Points on each wall for the gaps between walls."""
 
 
 def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
     """Return bodies in the fluid and walls around it by name, of a ``config``, with the rotation in its ``turning``."""
     box, bodies = config.geometry, {}
     if isinstance(config.bodies, tuple):
-        periods, given = (box.length if box else math.inf, math.inf), Surroundings.of(config)
+        periods, given = (box.length if config.periodic[0] else math.inf, math.inf), Surroundings.of(config)
         bodies = {f"body_{i}": body_of_revolution(each.body(periods, given)) for i, each in enumerate(config.bodies)}
     walls = walls_along(config) if box else _around(config.walls.around)
     for name in (*bodies, *walls):
@@ -107,95 +103,6 @@ def outline_problems(key: str, body: Body, spacing: float) -> Iterator[Problem]:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class RegionOfRevolution(AxisymmetricScene):
-    """A fluid at rest at first; the first ``count`` of the ``bodies`` are in the fluid, the others are walls around it.
-
-    ``singular``: whether walls with different angular velocities meet.
-    """
-
-    count: int
-    acceleration: float
-    singular: bool
-
-    @classmethod
-    def from_config(cls, config: Any) -> "RegionOfRevolution":
-        """Return the scene that a validated config describes."""
-        bodies, walls = bodies_and_walls(config)
-        (left, low), (right, high) = config.box.tolist()
-        return cls(
-            **cls.fluid_of(config),
-            length=right - left,
-            left=left,
-            inner_radius=low,
-            outer_radius=high,
-            periodic=config.periodic,
-            names=(*bodies, *walls),
-            bodies=(*bodies.values(), *walls.values()),
-            count=len(bodies),
-            acceleration=config.drive.acceleration,
-            singular=config.singular,
-        )
-
-    @property
-    def velocity_scale(self) -> float:
-        """Speed of the fastest wall or body, or a rough estimate of the speed that the acceleration drives.
-
-        In a pipe the viscosity bounds it, past bodies the inertia as well.
-        """
-        drive, width = abs(self.acceleration), self.reference_length
-        driven = drive * width**2 / (4.0 * self.kinematic_viscosity)
-        if self.count:
-            driven = min(driven, math.sqrt(drive * width))
-        return max(super().velocity_scale, driven)
-
-    @property
-    def flow_quantities(self) -> tuple[str, ...]:
-        """Loads on bodies and walls; no torques if walls with different angular velocities meet: they diverge."""
-        return tuple(name for name in self._columns if not (self.singular and name.startswith("torque")))
-
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
-        """See ``Scene.narrowest``: the gap is the smallest one between a body and another body or wall."""
-        radius = min(body.shape.convex_radius for body in self.bodies)
-        pairs = ((body, other) for i, body in enumerate(self.bodies[: self.count]) for other in self.bodies[i + 1 :])
-        least = min((gap(*pair, t, POINTS) for pair in pairs), default=math.inf)
-        return (radius, "the smallest radius"), (least, "the gap at a body")
-
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
-        """See ``Scene.thinnest_layer``: the layer at walls that started at t = 0, or turn."""
-        started = self.layer_depth(t), "the layer at walls"
-        between_cylinders = self.periodic[0] and all(isinstance(body.shape, Line) for body in self.bodies)
-        return started if between_cylinders else min(started, layer_at_plates(self))
-
-    def flow_rate(self, snapshot: Snapshot) -> dict[str, float]:
-        """Return the volume per time ``flow_rate`` through a cross-section without bodies, if there is one."""
-        place = open_place(self.bodies[: self.count], self.length, snapshot.t) if self.periodic[0] else None
-        if place is None:
-            return {}
-        low, height = self.section(np.array([place % self.length]))
-        area = float(np.pi * np.squeeze(height * (2.0 * low + height)))
-        return {"flow_rate": area * section_mean(self, snapshot, place)}
-
-    def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
-        """Return forces along the axis and torques around it on bodies and walls, kinetic energies and flow rate."""
-        energies = dict(zip(_axisymmetric.ENERGIES, self.kinetic_energies(snapshot), strict=True))
-        return {**self.loads(snapshot), **energies, **self.flow_rate(snapshot), **self.spread(snapshot)}
-
-    def profiles(self) -> list[Profile]:
-        """Return the velocities over the radius in the middle of the length."""
-        line = self.radial_line(self.left + 0.5 * self.length)
-        return [self.radial_profile(name, line) for name in "w" * self.swirls + "uv"]
-
-    @property
-    def _columns(self) -> tuple[str, ...]:
-        kinds = ("torque", "force") if self.swirls else ("force",)
-        return tuple(f"{kind}_{name}" for kind in kinds for name in self.names)
-
-    def time_series(self) -> TimeSeries:
-        """Return torques around the axis, if something turns, and forces along it."""
-        return self.loads_series(self._columns)
-
-
 class Geometry(Model):
     """Period along x and distance of the walls [length]; ``inner_radius``: height of the lower one above an axis."""
 
@@ -251,13 +158,14 @@ class Config(schema.Config):
     coordinates: Literal["planar", "axisymmetric"] = "planar"
     geometry: Geometry | None = None
     walls: Walls = Walls.model_validate({})
+    ends: Ends | None = None
     bodies: Bodies = ()
     drive: Drive = Drive()
     turning: Annotated[tuple[Turning, ...], Field(strict=False, max_length=100)] = ()
     contact: Contact | None = None
     initial: RestInitial = RestInitial()
 
-    unset_keys = (*schema.Config.unset_keys, "geometry", "bodies", "contact", "turning")
+    unset_keys = (*schema.Config.unset_keys, "geometry", "bodies", "contact", "turning", "ends")
     across_name = "the region"
 
     @model_validator(mode="before")
@@ -271,18 +179,22 @@ class Config(schema.Config):
         if closed and given:
             text = "is not allowed with walls.around, which sets the size of the region"
             raise refusals([(("geometry",), text, data["geometry"])])
+        if closed and data.get("ends") is not None:
+            raise refusals([(("ends",), "is not allowed with walls.around, which encloses the fluid", data["ends"])])
         return data
 
     @property
     def flow(self) -> str:
         """See ``schema.Config.flow``."""
+        if self.ends:
+            return f"{self.named_bodies or 'Flow'} in a stream around an axis"
         place = "in a closed vessel" if self.walls.around else "between two walls"
         return f"{self.named_bodies or 'Flow'} {place}"
 
     @property
     def periodic(self) -> tuple[bool, bool]:
         """Whether the box is periodic in x and y."""
-        return self.walls.around is None, False
+        return self.walls.around is None and self.ends is None, False
 
     @property
     def axisymmetric(self) -> bool:
@@ -291,7 +203,12 @@ class Config(schema.Config):
 
     @property
     def singular(self) -> bool:
-        """Whether walls with different angular velocities around the axis meet."""
+        """Whether walls with different angular velocities around the axis meet, or the inlet's velocity jumps there."""
+        if self.ends:
+            inlet = self.ends.inlet
+            return inlet is not None and inlet.jumps_at_walls(
+                on_axis=not (self.geometry and self.geometry.inner_radius)
+            )
         sides = [wall.spin for wall in bodies_and_walls(self)[1].values()] if self.axisymmetric else []
         return not self.periodic[0] and any(spin != sides[0] for spin in sides)
 
@@ -336,7 +253,7 @@ class Config(schema.Config):
                 return
             if wall and wall.velocity_before is not None:
                 yield f"walls.{name}.velocity_before", "must be left out: in a region the fluid is at rest at first"
-        if self.periodic[0] and (errors := list(outlined_wall_problems(self))):
+        if self.walls.around is None and (errors := list(outlined_wall_problems(self))):
             yield from errors
             return
         yield from _coordinate_problems(self)
@@ -348,6 +265,9 @@ class Config(schema.Config):
         bodies, walls = bodies_and_walls(self) if self.axisymmetric else ({}, _walls(self))
         walls = {f"walls.{name}": wall for name, wall in walls.items()}
         placed = list(bodies.values()) if self.axisymmetric else bodies_of(self, walls, self.origin)
+        if self.ends and self.axisymmetric:
+            yield from stream_problems(self, walls)
+            walls |= {f"ends.{side}": Body(line) for side, line in end_lines(self).items()}
         yield from cell_problems(self, placed, walls)
 
     def incommensurate(self) -> Iterator[Problem]:
@@ -363,7 +283,7 @@ class Scene:
     def from_config(config: Any) -> Cell | RegionOfRevolution:
         """Return the scene that a validated config describes."""
         if config.axisymmetric:
-            return RegionOfRevolution.from_config(config)
+            return (StreamOfRevolution if config.ends else RegionOfRevolution).around(config, *bodies_and_walls(config))
         walls = _walls(config)
         own = {"origin": config.origin} if "around" in walls else {"walls": planes(walls)}
         return Cell.around(config, bodies_of(config, walls, config.origin), walls, **own)
@@ -372,6 +292,8 @@ class Scene:
 def _coordinate_problems(config: Config) -> Iterator[Problem]:
     """Yield errors of sections that the coordinates do not allow, or not in this form."""
     if not config.axisymmetric:
+        if config.ends:
+            yield "ends", "is only for coordinates: axisymmetric; in planar flow take scene channel"
         if config.turning or (config.geometry and config.geometry.inner_radius):
             yield "turning" if config.turning else "geometry.inner_radius", "is only for coordinates: axisymmetric"
         return

@@ -357,7 +357,7 @@ class Coupled(Equations):
         others = Unknowns.joined(blocks, (n - fluid) * self.levels.components, n)
         divergence = view(self.levels.divergence)[:fluid]
         allowed = self.residual * step.allowed
-        at_outlets = self.boundary.outlet_pressure()
+        at_outlets = self.boundary.outlet_pressure(velocity)
         solved, found = stokes.solve(velocity, pressure, force, divergence, others, allowed, at_outlets)
         self.change = math.sqrt(np.square(velocity[:fluid] - view(self.velocity.x)[:fluid]).sum() / fluid)
         view(self.velocity.x)[:n], view(self.pressure.x)[:n] = velocity, pressure

@@ -10,9 +10,10 @@ the velocities of a step, with the acceleration a = (gamma_0 u - u^)/dt along pa
 
     R_s = integral over the section of (a - u . grad u) . n  -  dQ/dt  -  (Q - Q_s)/T  =  0,
 
-where n is the direction of the flow, Q the inflow, and Q_s the flow rate through the section. T is the time of the
-fluid from section to section: in this time errors of the flow rate vanish. Between sections the pressure equation gets
-the uniform source (R_s - R_(s-1))/area, which is the mean divergence that the operators miss there.
+where n is the direction of the flow, Q the inflow, and Q_s the flow rate through the section; around an axis integrals
+are over the area of the section. T is the time of the fluid from section to section: in this time errors of the flow
+rate vanish. Between sections the pressure equation gets the uniform source (R_s - R_(s-1))/area, which is the mean
+divergence that the operators miss there.
 """
 
 from collections.abc import Mapping
@@ -50,7 +51,7 @@ class FlowRateControl(Coupling):
 
     def __init__(self, problem: Problem, boundary: WallBoundary, ends: Any) -> None:
         self.problem, self.boundary, self.levels, self.ends = problem, boundary, boundary.levels, ends
-        self.inlet = boundary.walls.bodies[-2]
+        self.inlet, self.axisymmetric = boundary.walls.bodies[-2], problem.axisymmetric
         self.along = float(self.inlet.shape.normal[0])
         self.response = 1.0
         self.placed: list[tuple[float, ...]] = []
@@ -75,12 +76,15 @@ class FlowRateControl(Coupling):
         self.weights = np.reshape(weights, (len(weights), len(positions)))
         self.sources, self.residual = np.zeros(len(self.sections) + 1), None
         self.slab = np.searchsorted(self.along * self.sections, self.along * positions[:fluid, 0])
-        self.area = np.maximum(np.bincount(self.slab, minlength=len(self.sections) + 1), 1) * problem.spacing**2
+        sizes = 2.0 * np.pi * (positions[:fluid, 1] + problem.origin[1]) if problem.axisymmetric else None
+        least = sizes.min() if sizes is not None else 1
+        self.area = np.maximum(np.bincount(self.slab, sizes, len(self.sections) + 1), least) * problem.spacing**2
 
     def place_sections(self, positions: np.ndarray, time: float) -> None:
         """Set the places ``sections`` (n,) along x, and ``nodes`` (n, m, 2) and ``lengths`` (n, m) of their integrals.
 
-        Sections that cross a body are left out. They change where a body has moved.
+        Around an axis the lengths are areas of rings. Sections that cross a body are left out. They change where a body
+        has moved.
         """
         placed = [(*place.centre, place.angle) for place in (body.at(time) for body in self.ends.solid)]
         if placed == self.placed:
@@ -88,6 +92,8 @@ class FlowRateControl(Coupling):
         origin, spacing, self.placed = self.problem.origin, self.problem.spacing, placed
         on_walls = positions[self.boundary.slots, 1] + origin[1]
         low, high = on_walls.min(), on_walls.max()
+        if self.problem.axisymmetric and not self.problem.annular:
+            low = 0.0
         heights = np.linspace(low, high, 4 * int(np.ceil((high - low) / spacing)))
         rule = np.polynomial.legendre.leggauss(max(20, round(0.5 * (high - low) / spacing)))
         grid = np.stack(np.broadcast_arrays(self.places[:, None] + origin[0], heights), axis=-1)
@@ -98,10 +104,14 @@ class FlowRateControl(Coupling):
             if not len(wet) or len(wet) <= wet[-1] - wet[0]:
                 continue
             bottom, top = heights[wet[0]] - gap[wet[0]], heights[wet[-1]] + gap[wet[-1]]
+            if self.problem.axisymmetric and wet[0] == 0:
+                bottom = low
             along = 0.5 * (bottom + top + (top - bottom) * rule[0]) - origin[1]
             sections.append(place)
             nodes.append(np.stack([np.full_like(along, place), along], axis=1))
             lengths.append(0.5 * (top - bottom) * rule[1])
+            if self.problem.axisymmetric:
+                lengths[-1] *= 2.0 * np.pi * (along + origin[1])
         self.sections, self.nodes, self.lengths = np.array(sections), nodes, lengths
 
     def correct(self, equations: "Equations") -> bool:
@@ -109,8 +119,8 @@ class FlowRateControl(Coupling):
         if not len(self.sections):
             return True
         self.measure_acceleration(equations.velocity.x, equations.alpha, self.gamma0, self.dt)
-        n, width = self.problem.particles, self.inlet.shape.length
-        inflow = width * self.inlet.course.velocity(self.ends.level_times)
+        n, area = self.problem.particles, self.inlet.area
+        inflow = area * self.inlet.course.velocity(self.ends.level_times)
         slope = (self.gamma0 * inflow[0] - view(equations.alpha)[: len(inflow) - 1] @ inflow[1:]) / self.dt
         slopes, rates = (
             self.along * (self.weights @ values[:n].astype(float))
@@ -120,7 +130,7 @@ class FlowRateControl(Coupling):
         if self.residual is not None:
             change = 1.0 - residual @ self.residual / (self.residual @ self.residual)
             self.response = float(np.clip(self.response * change, 0.5, 1.5))
-        pressure = np.abs(residual).max() * self.length / width
+        pressure = np.abs(residual).max() * self.length / area
         if not pressure > SETTLED * self.problem.reference_velocity**2:
             return True
         self.residual = residual
@@ -138,11 +148,16 @@ class FlowRateControl(Coupling):
 
     @ti.kernel
     def measure_acceleration(self, velocity: ti.template(), alpha: ti.template(), gamma0: float, dt: float):
-        """Compute du/dt = (gamma_0 u - u^)/dt - u . grad u at fixed places, for a ``velocity`` field."""
+        """Compute du/dt = (gamma_0 u - u^)/dt - u . grad u at fixed places, for a ``velocity`` field.
+
+        Around an axis v du/dr = r^2 V du/ds.
+        """
         ti.loop_config(serialize=self.levels.operators.serial_light)
         for i in range(self.levels.points.particles[None]):
             d_dx, d_dy = gradients(self.levels.operators, velocity, i)
             own = velocity[i]
+            if ti.static(self.axisymmetric):
+                own.y *= self.levels.coordinates.radius(i) ** 2
             along = gamma0 * own.x
             for level in ti.static(range(VELOCITIES)):
                 along -= alpha[level] * self.levels.carried(level, i).x

@@ -11,6 +11,12 @@ there since with p - S_yy constant across the outlet a developed flow leaves it 
 
 Two outlets with different pressures drive the fluid as well; p - nu g - S_yy is then the given pressure of each.
 
+Around an axis, with the unknowns V = v/r and W = w/r of ``AxisymmetricCoordinates`` and s = r^2/2,
+
+    p = nu g - integral of W^2 ds from s to the wall,    du/dx = g,    dV/dx = dW/dx = 0,    g = -2 V - r^2 dV/ds.
+
+All of them are even in r: polynomials go through the mirror images of points beyond the axis as well.
+
 The points of ends stay, the fluid passes them. Their time levels are those of the fluid that is at them at the end of a
 step: at an outlet from the particles near it (where fluid enters, as if it had been parallel), at the inlet the given
 velocities, and v of the fluid in front of it.
@@ -20,7 +26,8 @@ not change, as much flows in, and each particle enters again: at the point of an
 has come nearest to the area of a particle, or exceeds it most, and there where most room is. It has the time levels of
 that place, a polynomial through those of the particles and points around it. So there are as many particles at all
 times. Where a particle is overdue by the whole of its area, one that is about to leave is taken: a fast one, since a
-slow one near a wall leaves a void behind it for long.
+slow one near a wall leaves a void behind it for long. Around an axis areas in the half-plane, which particles fill
+evenly, are not conserved: the inflow is scaled to the number of particles that leaves.
 """
 
 import math
@@ -110,6 +117,7 @@ class OpenEnds(BoundaryPart):
         self.boundary, self.problem, self.walls = boundary, boundary.problem, boundary.walls
         self.levels, self.points, self.operators = boundary.levels, boundary.points, boundary.operators
         self.extra_stress, self.shift, problem, walls = boundary.extra_stress, boundary.shift, self.problem, self.walls
+        self.coordinates, self.axisymmetric = boundary.coordinates, problem.axisymmetric
         kinds = [(body, np.arange(part.start, part.stop)) for body, part in zip(walls.bodies, walls.parts, strict=True)]
         self.ends = [(body, part) for body, part in kinds if isinstance(body, OpenEnd)]
         self.outlets = [(body, part) for body, part in kinds if isinstance(body, Outlet)]
@@ -139,6 +147,11 @@ class OpenEnds(BoundaryPart):
     def carried_fields(self) -> tuple[Any, ...]:
         """Fields that particles carry from step to step."""
         return (self.levels.fields, *self.extra_stress.fields)
+
+    @property
+    def stored_fields(self) -> tuple[Any, ...]:
+        """Fields of a particle that change when it enters."""
+        return (*self.carried_fields, self.levels.position)
 
     @ti.func
     def error_weight(self, i, weight):
@@ -186,12 +199,25 @@ class OpenEnds(BoundaryPart):
         place, spacing = view(self.points.position), self.problem.spacing
         support = self.boundary.support * spacing * view(self.operators.support_factor)[chosen]
         x, y = ((place[table] - place[chosen, None]) / support[:, None, None]).transpose(2, 0, 1)
+        if self.axisymmetric:
+            mirrored = ((self.mirrored(place)[table] - place[chosen, None]) / support[:, None, None])[..., 1]
+            x, y, listed = np.hstack([x, x]), np.hstack([y, mirrored]), np.hstack([listed, listed])
         weight = listed * np.maximum(1.0 - x**2 - y**2, 0.0) ** 4
         powers = [power for power in powers_up_to(DEGREE) if power != (1, 0)]
         rows = first_coefficient(np.stack([x**a * y**b for a, b in powers], axis=1), weight)
         self.outlet_slope = support * (rows * x).sum(axis=1) / spacing**2
+        if self.axisymmetric:
+            rows, listed = np.add(*np.split(rows, 2, axis=1)), np.split(listed, 2, axis=1)[0]
         view(self.operators.laplacian)[entries[listed]] = rows[listed] / spacing**2
         view(self.operators.diagonal)[chosen] = -1.0 / spacing**2
+
+    def mirrored(self, positions: np.ndarray) -> np.ndarray:
+        """Return the mirror images (n, 2) of ``positions`` (n, 2) beyond the axis."""
+        return positions * [1.0, -1.0] - [0.0, 2.0 * self.problem.origin[1]]
+
+    def radii(self, chosen: Any) -> np.ndarray:
+        """Return the distances (n,) of ``chosen`` points from the axis."""
+        return view(self.points.position)[chosen, 1].astype(float) + self.problem.origin[1]
 
     def slopes(self, chosen: np.ndarray, values: np.ndarray) -> np.ndarray:
         """Return d/dx and d/dy (2, points, numbers) of ``values`` (all points, numbers) at ``chosen`` slots."""
@@ -204,7 +230,8 @@ class OpenEnds(BoundaryPart):
         """Take note of the impulse of the start, whose potential is the present pressure: velocities at the outlet."""
         potential = view(equations.pressure.x).astype(float)[:, None]
         change = self.slopes(np.arange(self.first, self.problem.particles), potential)[:, :, 0].T
-        self.outlet_velocity = self.boundary.fluid_velocity[self.of_outlet] - change
+        self.outlet_velocity = self.boundary.fluid_velocity[self.of_outlet]
+        self.outlet_velocity[:, :2] -= change
 
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
@@ -224,10 +251,12 @@ class OpenEnds(BoundaryPart):
 
     def set_values(self, equations: Equations, gamma0: float, viscosity: float) -> None:
         """Set the pressure at the outlet, and the right-hand side of its velocities, for the present velocity."""
-        chosen = np.arange(self.first, self.problem.particles)
-        change = -self.slopes(chosen, view(equations.velocity.x).astype(float)[:, 1:2])[1, :, 0]
+        chosen, velocity = np.arange(self.first, self.problem.particles), view(equations.velocity.x).astype(float)
+        change = -self.slopes(chosen, velocity[:, 1:2])[1, :, 0]
+        if self.axisymmetric:
+            change = self.radii(chosen) ** 2 * change - 2.0 * velocity[chosen, 1]
         viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
-        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_pressure()
+        view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_pressure(velocity)
         rows = self.outlet_slope * (viscosities / viscosity if viscosity else 1.0)
         right = np.zeros((len(chosen), self.levels.components))
         right[:, 0] = -gamma0 * self.problem.spacing**2 * rows * change
@@ -242,9 +271,9 @@ class OpenEnds(BoundaryPart):
         """Compute the divergence that the newest velocities had, by the operators at the end of the step.
 
         Particles have moved by s since then. With derivatives at their places at the end, the divergence at their
-        places before is the trace of grad u (1 - grad s)^-1. Operators of both places differ by truncation errors, and
-        D u^ - k gamma_0 d^n is to have none of this difference: a part of the pressure that grows as 1/dt.
-
+        places before is the trace of grad u (1 - grad s)^-1, with v/(r - s_r) around an axis. Operators of both places
+        differ by truncation errors, and D u^ - k gamma_0 d^n is to have none of this difference: a part of the pressure
+        that grows as 1/dt.
         """
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
@@ -257,8 +286,14 @@ class OpenEnds(BoundaryPart):
                 u_y += self.operators.d_dy[k] * velocity
                 s_x += self.operators.d_dx[k] * displacement
                 s_y += self.operators.d_dy[k] * displacement
+            if ti.static(self.axisymmetric):  # from derivatives of u, V by x, s to derivatives of u, v by x, r
+                radius = self.coordinates.radius(i)
+                u_x.y, s_x.y, u_y.x, s_y.x = radius * u_x.y, radius * s_x.y, radius * u_y.x, radius * s_y.x
+                u_y.y, s_y.y = radius * radius * u_y.y + own.y, radius * radius * s_y.y + moved.y
             numerator = u_x.x * (1.0 - s_y.y) + u_y.x * s_x.y + u_x.y * s_y.x + u_y.y * (1.0 - s_x.x)
             self.divergence[i] = numerator / ((1.0 - s_x.x) * (1.0 - s_y.y) - s_y.x * s_x.y)
+            if ti.static(self.axisymmetric):
+                self.divergence[i] += own.y / (1.0 - moved.y)
 
     @ti.func
     def divergence_before(self, i, divergence):
@@ -273,18 +308,28 @@ class OpenEnds(BoundaryPart):
             result += self.levels.step_weights[level] * self.levels.carried(level, i)
         return result
 
-    def outlet_pressure(self) -> np.ndarray:
-        """Return the given pressure and the normal stress S_yy (points,) of a polymer at the points of outlets."""
-        if not self.problem.carries_stress:
-            return self.given_pressure
-        return self.given_pressure + self.extra_stress.present_wall_stress()[2, self.of_outlet]
+    def outlet_pressure(self, velocity: np.ndarray) -> np.ndarray:
+        """Return p - nu du/dx (points,) at outlets: the given pressure, S_yy of a polymer, the pressure of swirl."""
+        from scipy.interpolate import CubicSpline
+
+        result = self.given_pressure
+        if self.problem.carries_stress:
+            result = result + self.extra_stress.present_wall_stress()[2, self.of_outlet]
+        for outlet, part in self.outlets if self.problem.swirls else ():
+            radius = self.radii(self.problem.n_fluid + part)
+            order, around = np.argsort(radius), velocity[self.problem.n_fluid + part, 2]
+            rising = CubicSpline(radius[order], (around**2 * radius)[order]).antiderivative()
+            result = result.copy()
+            result[part - self.of_outlet[0]] += rising(radius) - rising(outlet.shape.extent[1, 1])
+        return result
 
     def stokes_rows(self, rows: WallRows) -> WallRows:
         """Return the ``rows`` of the points in a ``StokesSolver`` with those of the outlet."""
         return replace(rows, outlet=self.outlet_slope)
 
     def begin(self) -> None:
-        """Begin with the velocities after the start."""
+        """Begin with the velocities after the start, and with the places from which the points carry them."""
+        view(self.levels.position)[self.boundary.slots] = self.boundary.positions[self.boundary.slots]
         self.store_ends()
 
     def accept(self, time: float) -> None:
@@ -315,7 +360,7 @@ class OpenEnds(BoundaryPart):
         level_weights = weights.interpolation(offset, min(LOAD_LEVELS, len(self.outflows)))
         *outflows, backflow = level_weights @ np.array(self.outflows)
         inlets = [body for body, _ in self.ends if isinstance(body, Inlet)]
-        inflows = [float(inlet.course.velocity(time)) * inlet.shape.length for inlet in inlets]
+        inflows = [float(inlet.course.velocity(time)) * inlet.area for inlet in inlets]
         rates = np.array([*inflows, *np.negative(outflows)])
         return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages.copy()}
 
@@ -326,12 +371,14 @@ class OpenEnds(BoundaryPart):
         """
         from scipy.interpolate import CubicSpline
 
-        flows, back = [], -math.inf
+        flows, back, around = [], -math.inf, np.ones(1)
         for outlet, part in self.outlets:
             own = self.outlet_velocity[part - self.of_outlet[0]]
             speed, width = -(own[:, :2] @ outlet.shape.normal), outlet.shape.length
             along = np.cumsum(self.walls.length[part]) - 0.5 * self.walls.length[part]
-            curve = CubicSpline([0.0, *along, width], [0.0, *speed, 0.0])  # the walls beside it are at rest
+            if self.axisymmetric:
+                around = 2.0 * np.pi * self.radii(self.problem.n_fluid + part)
+            curve = CubicSpline([0.0, *along, width], [0.0, *(speed * around), 0.0])  # walls beside it are at rest
             flows.append(float(curve.integrate(0.0, width)))
             back = max(back, float((-speed if flows[-1] >= 0.0 or len(self.outlets) == 1 else speed).max()))
         self.outflows = [[*flows, back], *self.outflows][:LOAD_LEVELS]
@@ -342,7 +389,13 @@ class OpenEnds(BoundaryPart):
         part = (
             np.abs(self.boundary.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length
         ).astype(int)
-        gradient = sum((view(slope)[fluid, :2].astype(float) ** 2).sum(axis=1) for slope in (levels.d_dx, levels.d_dy))
+        slopes = [view(slope)[fluid, :2].astype(float) for slope in (levels.d_dx, levels.d_dy)]
+        if self.axisymmetric:
+            radius, across = self.radii(fluid), self.boundary.newest_velocities[fluid, 1]
+            slopes[0][:, 1] *= radius
+            slopes[1][:, 0] *= radius
+            slopes[1][:, 1] = radius**2 * slopes[1][:, 1] + across
+        gradient = sum((slope**2).sum(axis=1) for slope in slopes)
         squares = view(levels.divergence)[fluid].astype(float) ** 2, gradient, None
         self.squares = np.stack([np.bincount(part, each) for each in squares], axis=1)
 
@@ -360,18 +413,22 @@ class OpenEnds(BoundaryPart):
         place, velocity = self.boundary.positions, self.boundary.newest_velocities[:, :2].astype(float)
         place[self.boundary.slots], normal = self.walls.at(time)
         left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out
-        near = np.flatnonzero(self.from_ends(place[:fluid]) < UNJUDGED)
+        near, leaving = np.flatnonzero(self.from_ends(place[:fluid]) < UNJUDGED), 0.0  # leaving: particles per time
         for body, _ in self.ends:
             distance = body.nearest(place[near] + self.walls.origin).distance / spacing
             speed = -velocity[near] @ body.shape.normal
             out = speed > 0.0
-            leaving, distance = near[out], distance[out]
-            left[leaving] = np.minimum(left[leaving], distance)
-            soon[leaving] = np.minimum(soon[leaving], (distance - LEAST_DISTANCE) / speed[out])
+            outwards, distance = near[out], distance[out]
+            left[outwards] = np.minimum(left[outwards], distance)
+            soon[outwards] = np.minimum(soon[outwards], (distance - LEAST_DISTANCE) / speed[out])
+            leaving += speed[out][distance < UNJUDGED].sum() / ((UNJUDGED - LEAST_DISTANCE) * spacing)
         points = fluid + np.concatenate([part for _, part in self.ends])
         normal = normal[points - fluid]
         inflow = np.maximum((velocity[points] * normal).sum(axis=1), 0.0)
-        due = self.due + dt * inflow * self.walls.length[points - fluid] / spacing**2
+        gained = dt * inflow * self.walls.length[points - fluid] / spacing**2
+        if self.axisymmetric and gained.any():
+            gained *= dt * leaving / gained.sum()
+        due = self.due + gained
         wanted = max(np.count_nonzero(left < LEAST_DISTANCE), np.count_nonzero(due >= 1.0))
         slots = np.argsort(soon)[:wanted]  # those that are about to leave go where others are overdue
         slots = slots[left[slots] < LEAST_DISTANCE + 1.0]
@@ -383,7 +440,7 @@ class OpenEnds(BoundaryPart):
             due[chosen[k]] -= 1.0
         places = self.roomiest(place[points[chosen]], normal[chosen], place[near[staying[near]]], time)
         sources = np.append(np.flatnonzero(staying), np.arange(fluid, len(place)))
-        self.replaced = slots, [view(field)[slots] for field in self.carried_fields], self.due
+        self.replaced = slots, [view(field)[slots] for field in self.stored_fields], self.due
         self.due = due
         if len(slots):
             self.take_levels(slots, places, sources, place[sources], powers_up_to(DEGREE), AROUND[DEGREE])
@@ -422,11 +479,29 @@ class OpenEnds(BoundaryPart):
         from scipy.spatial import cKDTree
 
         near = self.from_ends(of_sources) < 2.0 * UNJUDGED
-        sources, tree = sources[near], cKDTree(of_sources[near])
-        nearest, weights = nearest_fits(tree, places, powers, around)
+        sources, of_sources = sources[near], of_sources[near]
+        factors = self.carried_factors(sources, of_sources)
+        if self.axisymmetric:
+            sources, of_sources = np.tile(sources, 2), np.concatenate([of_sources, self.mirrored(of_sources)])
+        nearest, weights = nearest_fits(cKDTree(of_sources), places, powers, around)
         for field in self.carried_fields:
             values = view(field)[sources[nearest]].astype(float)
+            if field is self.levels.fields:
+                values *= factors[nearest % len(factors)]
             view(field)[slots] = np.einsum("ik,ik...->i...", weights, values)
+        view(self.levels.position)[slots] = places
+
+    def carried_factors(self, sources: np.ndarray, positions: np.ndarray) -> np.ndarray:
+        """Return factors (n, fields) of the time levels of ``sources`` that have moved to ``positions`` (n, 2).
+
+        As ``AxisymmetricCoordinates.carried``: r V is a velocity, and r^2 W the circulation.
+        """
+        factors = np.ones((len(sources), view(self.levels.fields).shape[1]))
+        if self.axisymmetric:
+            lowest, first = self.problem.origin[1], self.levels.first_pressure
+            ratio = (view(self.levels.position)[sources, 1] + lowest) / (positions[:, 1] + lowest)
+            factors[:, 1:first:3], factors[:, 2:first:3] = ratio[:, None], ratio[:, None] ** 2
+        return factors
 
     def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step; particles that enter later are at the ends."""
@@ -439,7 +514,7 @@ class OpenEnds(BoundaryPart):
         """Take back the exchange of an attempt that was rejected."""
         if self.replaced:
             slots, values, self.due = self.replaced
-            for field, before in zip(self.carried_fields, values, strict=True):
+            for field, before in zip(self.stored_fields, values, strict=True):
                 view(field)[slots] = before
         self.replaced = None
 

@@ -156,8 +156,8 @@ class Boundary:
         """Return the velocities (count, components) that the solver has at the points on walls."""
         return self.velocity
 
-    def outlet_pressure(self) -> np.ndarray:
-        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
+    def outlet_pressure(self, velocity: np.ndarray) -> np.ndarray:
+        """Return p - nu du/dx (points,) at outlets for a ``velocity`` (points, components) of all points."""
         return np.zeros(0)
 
     def stokes_rows(self) -> "WallRows":
@@ -317,8 +317,8 @@ class BoundaryPart:
         """Return the ``rows`` of the points in a ``StokesSolver`` with those of the part."""
         return rows
 
-    def outlet_pressure(self) -> np.ndarray:
-        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
+    def outlet_pressure(self, velocity: np.ndarray) -> np.ndarray:
+        """Return p - nu du/dx (points,) at outlets for a ``velocity`` (points, components) of all points."""
         return np.zeros(0)
 
     def entered(self, position: np.ndarray) -> np.ndarray:

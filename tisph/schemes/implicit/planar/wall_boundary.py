@@ -411,9 +411,9 @@ class WallBoundary(Boundary):
             rows = part.stokes_rows(rows)
         return rows
 
-    def outlet_pressure(self) -> np.ndarray:
-        """Return the given pressure plus the normal stress S_yy (points,) of a polymer at outlets."""
-        return np.concatenate([np.zeros(0), *(part.outlet_pressure() for part in self.parts)])
+    def outlet_pressure(self, velocity: np.ndarray) -> np.ndarray:
+        """Return p - nu du/dx (points,) at outlets for a ``velocity`` (points, components) of all points."""
+        return np.concatenate([np.zeros(0), *(part.outlet_pressure(velocity) for part in self.parts)])
 
     def entered(self, position: np.ndarray) -> np.ndarray:
         """Return positions (n, 2) at a time within the last step, of particles that have all entered by then."""

@@ -311,7 +311,9 @@ class WallsOfRevolution(WallPoints):
     def __init__(self, bodies: Sequence[Any], spacing: float, origin: Any) -> None:
         super().__init__(bodies, spacing, origin)
         self.near_axis = NEAR_AXIS * spacing
-        self.across_axis = any(np.abs(outline.normal[:, 0]).max() > 0.5 for outline in self.outlines)
+        steepest = [np.abs(outline.normal[:, 0]).max() for outline in self.outlines]
+        walls = [not isinstance(body, OpenEnd) for body in bodies]
+        self.across_axis = max(itertools.compress(steepest, walls)) > 0.5
 
     def _outline(self, body: Any) -> Boundary:
         """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""
@@ -337,8 +339,13 @@ class WallsOfRevolution(WallPoints):
         return self._points[:, 1]
 
     def _spins(self, name: str, time: float) -> np.ndarray:
-        parts = zip(self.bodies, self.parts, strict=True)
-        return np.concatenate([np.full(part.stop - part.start, getattr(body.spin, name)(time)) for body, part in parts])
+        found = []
+        for body, boundary in zip(self.bodies, self._placed(time), strict=True):
+            if isinstance(body, Inlet):
+                found.append(body.turning(boundary.point[:, 1]) * (name == "velocity"))
+            else:
+                found.append(np.full(len(boundary.point), getattr(body.spin, name)(time)))
+        return np.concatenate(found)
 
     def inwards(self, normal: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Return the parts (count,) into the fluid of the unknowns (count, 3) of a velocity."""

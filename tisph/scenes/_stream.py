@@ -282,6 +282,7 @@ class OpenEnded:
     spacing: float
     region: Region
     axisymmetric: bool
+    start_time: float
 
     @cached_property
     def _filled(self) -> Region:

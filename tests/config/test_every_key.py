@@ -66,8 +66,7 @@ WITHOUT = {
 REFUSED = {
     "eccentric_annulus": r"walls\.treatment|initial\.time",
     "channel": r"ends\.(left|right)\.type",  # both have to be exchanged
-    "region": r"walls\..*\.(velocity_before|shear_stress|stress_amplitude|stresses|velocities|times|mass_per_area"
-    r"|slip_length)"
+    "region": r"walls\..*\.(velocity_before|shear_stress|stress_amplitude|stresses|velocities|times|mass_per_area)"
     r"|turning\.angular_velocity_before|ends\.(left|right)\.(type|pressure)",
     "pipe": r"ends\.(left|right)\.(type|pressure)",
     "taylor_couette": r"walls\.(inner|outer)\.angular_velocity_before",

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusals, refuse
 from tisph.config.fields import either
+from tisph.config.motion import SlipLength, slip_length_of
 from tisph.geometry.body import Body
 from tisph.geometry.motion import FREEDOMS, REST, FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import Shape, centroid, polar_moment
@@ -87,11 +88,13 @@ class Placed(Model):
     angle that keep their initial velocity. It may be in the fluid from the time on at which it ``enters``, by default
     with the velocities of the fluid in its place.
 
+    ``slip_length`` of its wall: see ``config/motion.SlipLength``.
+
     Parameters of a shape add its size, in the frame of the centre; ``shaped_by`` is the key that defines it.
     """
 
     shaped_by: ClassVar[str]
-    unset_keys = FREE_KEYS
+    unset_keys = (*FREE_KEYS, "slip_length")
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
@@ -105,6 +108,7 @@ class Placed(Model):
     force: Point | None = None
     torque: Signed | None = None
     enters: Positive | None = None
+    slip_length: SlipLength | None = None
 
     @model_validator(mode="after")
     def _check_free(self) -> "Placed":
@@ -144,7 +148,9 @@ class Placed(Model):
         elif self.motion != "fixed":
             motion = self.motion.rigid()
         enters = -math.inf if self.enters is None else self.enters
-        return Body(self.shape(), self.centre, self.angle, motion, periods, enters=enters)
+        return Body(
+            self.shape(), self.centre, self.angle, motion, periods, enters=enters, slip_length=slip_length_of(self)
+        )
 
     def _inertia(self, surroundings: Any) -> Inertia:
         """Return inertia and external load of a free body.

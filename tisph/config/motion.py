@@ -1,16 +1,40 @@
-"""Keys of a wall's motion: a velocity or angular velocity that is constant, oscillates, or is given at times."""
+"""Keys of a wall's motion, a velocity or angular velocity that is constant, oscillates, or is given at times; slip."""
 
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Signed, findings, refusal, refusals, refuse
+from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusal, refusals, refuse
+from tisph.config.fields import number_or
 
 
 def _not_zero(value: float) -> float:
     if value == 0:
         raise refusal("must not be 0: for a wall at rest give velocity: 0, or angular_velocity: 0")
     return value
+
+
+SlipLength = number_or(Positive, "infinite")
+"""The fluid at a wall is faster than the wall by this [length] times shear stress over viscosity; infinite: no stress.
+
+As on a flat free surface, or a plane of symmetry.
+"""
+
+
+def slip_length_of(wall: Any) -> float:
+    """Return the slip length [length] of a ``wall`` or body of a config: 0 without slip, infinite without friction."""
+    given = wall.slip_length if wall is not None else None
+    return math.inf if given == "infinite" else given or 0.0
+
+
+def frictionless_findings(wall: Any, keys: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Return errors for ``refuse``: motions along itself, by these ``keys``, of a ``wall`` that has no friction."""
+    if wall.slip_length != "infinite":
+        return []
+    text = "does nothing to a fluid that slips without friction (slip_length: infinite): leave it out"
+    return findings(wall, [key for key in keys if getattr(wall, key)], text)
 
 
 Amplitude = Annotated[Signed, AfterValidator(_not_zero)]

@@ -108,6 +108,11 @@ class SlippingWall:
         return self.friction * self.motion.velocity(t)
 
 
+def slipping(motion: Any, slip_length: float, kinematic_viscosity: float) -> Any:
+    """Return a wall with this ``motion``, along which the fluid slips unless ``slip_length`` is 0."""
+    return SlippingWall(motion, kinematic_viscosity / slip_length) if slip_length else motion
+
+
 @dataclass(frozen=True)
 class Axis(Steady):
     """The axis r = 0 in place of an inner wall; it behaves as a stress-controlled wall without mass and stress."""

@@ -109,7 +109,8 @@ class Body:
 
     ``periods`` (2,) of the cell along x and y, infinite where it is not periodic. ``spin``: angular velocity [1/time]
     around the axis y = 0 of a wall that is a surface of revolution, in axisymmetric flow. ``enters``: time from which
-    it is in the fluid. ValueError for a line that turns. Points, velocities and accelerations have shape (n, 2).
+    it is in the fluid. ``slip_length`` [length]: the fluid at the wall is faster than the wall by this times the shear
+    stress over the viscosity. ValueError for a line that turns. Points, velocities and accelerations have shape (n, 2).
     """
 
     shape: Shape
@@ -119,6 +120,7 @@ class Body:
     periods: tuple[float, float] = (math.inf, math.inf)
     spin: Any = STILL
     enters: float = -math.inf
+    slip_length: float = 0.0
 
     def __post_init__(self) -> None:
         if self.shape.smallest_radius == math.inf and self.motion.rotation.largest_speed:

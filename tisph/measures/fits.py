@@ -53,8 +53,11 @@ def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _walls(scene: Any, t: float) -> list[tuple[Any, np.ndarray]]:
-    """Return the bodies of known velocity, all but outlets, each with points (n, 2) on it a spacing apart."""
-    bodies = (body for body in scene.bodies if not isinstance(body, Outlet))
+    """Return the walls at which the velocity is known, each with points (n, 2) on it a spacing apart.
+
+    It is not at outlets, and where the fluid slips.
+    """
+    bodies = (body for body in scene.bodies if not (isinstance(body, Outlet) or body.slip_length))
     return [(body, body.boundary_points(scene.spacing, t).point) for body in bodies]
 
 

@@ -15,11 +15,13 @@ from tisph.bodies import _clearance
 from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
+from tisph.config.motion import slip_length_of
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.outline import EndToEnd
 from tisph.geometry.region import Region
 from tisph.measures import resolution
 from tisph.measures.fits import cell_mean, section_mean
@@ -51,6 +53,10 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     if not (moving or pulled or config.has_open_ends or config.drive.acceleration):
         remedy = "give an acceleration, or let a body or a wall move"
         yield from still_problem(config, "drive.acceleration", remedy)
+    held = any(wall.slip_length < math.inf or isinstance(wall.shape, EndToEnd) for wall in walls.values())
+    if config.drive.acceleration and not (held or bodies or config.has_open_ends):
+        text = "must be 0 where no wall has friction (slip_length: infinite): nothing holds the fluid"
+        yield "drive.acceleration", text
     if config.contact and not free:
         yield "contact", "is for free bodies: give one the motion free, or leave it out"
     for index, body in enumerate(bodies):
@@ -58,6 +64,9 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
             yield f"bodies.{index}.enters", "is for a channel with open ends: leave it out"
         elif body.enters >= config.time.end:
             yield f"bodies.{index}.enters", "must be before the end of the run"
+        if body.slip_length and free and config.has_open_ends:
+            text = "must be left out between open ends with free bodies, which leave or enter"
+            yield f"bodies.{index}.slip_length", text
     if config.drive.gravity and not free:
         yield "drive.gravity", "moves free bodies alone: give one the motion free, or leave it out"
     given = config.bodies
@@ -133,7 +142,7 @@ def walls_along(config: Any) -> dict[str, Body]:
         motion = RigidMotion(WallMotion.from_config(wall))
         periods = (length if config.periodic[0] and wall.outline else math.inf, math.inf)
         shape = wall.shape(name, config.periodic[0]) if wall.outline else plane
-        walls[name] = Body(shape, motion=motion, periods=periods)
+        walls[name] = Body(shape, motion=motion, periods=periods, slip_length=slip_length_of(wall))
     return walls
 
 

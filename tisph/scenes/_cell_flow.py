@@ -15,7 +15,7 @@ from tisph.geometry.body import POINTS, Body, smallest_gap
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.outline import EndToEnd
 from tisph.measures import resolution
-from tisph.measures.fits import cell_mean
+from tisph.measures.fits import cell_mean, section_mean
 from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed, open_place
 from tisph.scenes._views import planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -311,7 +311,9 @@ class CellFlow(BodyScene):
 
         ``flow_rate``: the superficial velocity times the height of the cell, per length across the plane.
         """
-        superficial = cell_mean(self, snapshot)[0]
+        superficial, place = cell_mean(self, snapshot)[0], self.open_section(snapshot.t)
+        if place is not None and any(body.slip_length for body in self.bodies[: self.count]):
+            superficial = section_mean(self, snapshot, place)  # the velocity jumps at these bodies, within the cell
         seen = self.seen(snapshot).bodies[: self.count]
         solid = sum(body.shape.area * body.motion.x.velocity(snapshot.t) for body in seen)
         return {

@@ -19,9 +19,10 @@ from typing import Any
 
 import numpy as np
 
+from tisph.config.motion import slip_length_of
 from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
-from tisph.exact.start_up import Flow, SlippingWall, StartUp, Wall
+from tisph.exact.start_up import Flow, StartUp, Wall, slipping
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
 from tisph.measures.channel import Probes, integral, interpolate, wall_shear, wall_velocity
@@ -89,8 +90,7 @@ class Channel(Scene):
     @classmethod
     def from_config(cls, config: Any) -> "Channel":
         """Return the scene that a validated config describes."""
-        lengths = [getattr(config.walls, side).slip_length or 0.0 for side in SIDES]
-        bottom, top = (math.inf if length == "infinite" else length for length in lengths)
+        bottom, top = (slip_length_of(getattr(config.walls, side)) for side in SIDES)
         return cls(
             **cls.fluid_of(config),
             gap=config.geometry.gap,
@@ -142,7 +142,7 @@ class Channel(Scene):
         return tuple(self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
 
     def _slipping(self, wall: Any, slip_length: float) -> Any:
-        return SlippingWall(wall, self.kinematic_viscosity / slip_length) if slip_length else wall
+        return slipping(wall, slip_length, self.kinematic_viscosity)
 
     @property
     def fields(self) -> tuple[str, ...]:

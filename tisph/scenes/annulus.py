@@ -18,10 +18,19 @@ from pydantic import Field, model_validator
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed, findings, refusals, refuse
 from tisph.config.fields import Member
-from tisph.config.motion import Amplitude, Times, Values, check_as_many, check_schedule
+from tisph.config.motion import (
+    Amplitude,
+    SlipLength,
+    Times,
+    Values,
+    check_as_many,
+    check_schedule,
+    frictionless_findings,
+    slip_length_of,
+)
 from tisph.config.motion import WallMotion as WallKeys
 from tisph.exact._fluids import Rheology, fluid_of
-from tisph.exact.start_up import CircularStartUp, Wall
+from tisph.exact.start_up import CircularStartUp, Wall, slipping
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
@@ -95,6 +104,7 @@ class BetweenCylinders(BodyScene):
 
     The axis of the outer one is at ``centre``, the axis of the inner one by ``offset`` farther along x.
     ``initial_state`` is ``rest``, ``developed`` or ``exact`` (the flow that began at t = 0, at ``start_time``).
+    ``slip_lengths``: of the inner and the outer cylinder.
     """
 
     inner_radius: float
@@ -105,6 +115,7 @@ class BetweenCylinders(BodyScene):
     initial_state: str
     start_time: float
     offset: float = 0.0
+    slip_lengths: tuple[float, float] = (0.0, 0.0)
 
     periodic = (False, False)
     time_formula = "νt/H²"
@@ -123,6 +134,7 @@ class BetweenCylinders(BodyScene):
             outer=outer,
             initial_state=config.initial.state,
             start_time=config.start_time,
+            slip_lengths=(slip_length_of(config.walls.inner), slip_length_of(config.walls.outer)),
         )
 
     @property
@@ -141,7 +153,11 @@ class BetweenCylinders(BodyScene):
         shapes = Circle(self.inner_radius), Circle(self.outer_radius, fluid_side="inside")
         axis = self.centre[0] + self.offset, self.centre[1]
         turning = RigidMotion(rotation=self.inner), RigidMotion(rotation=self.outer)
-        return Body(shapes[0], axis, motion=turning[0]), Body(shapes[1], self.centre, motion=turning[1])
+        inner, outer = self.slip_lengths
+        return (
+            Body(shapes[0], axis, motion=turning[0], slip_length=inner),
+            Body(shapes[1], self.centre, motion=turning[1], slip_length=outer),
+        )
 
     @property
     def jump_times(self) -> tuple[float, ...]:
@@ -345,6 +361,9 @@ class Annulus(BetweenCylinders):
         walls = self.inner, self.outer
         before = walls if self.stays_steady else tuple(Wall(self.before(wall)) for wall in walls)
         fluid = self.rheology, self.kinematic_viscosity, self.density
+        walls, before = (
+            tuple(map(slipping, pair, self.slip_lengths, 2 * [self.kinematic_viscosity])) for pair in (walls, before)
+        )
         return _solved(*fluid, self.inner_radius, self.outer_radius, *walls, before)
 
     # Views ------------------------------------------------------------------------------------------------------------
@@ -458,8 +477,8 @@ class Geometry(Radii):
     offset: ClassVar[float] = 0.0
 
 
-class Cylinder(WallKeys):
-    """Angular velocity of a cylinder from t = 0 on, counterclockwise: constant, or oscillating, or given at times.
+class Turning(WallKeys):
+    """Angular velocity of a wall from t = 0 on, counterclockwise: constant, or oscillating, or given at times.
 
     ``angular_velocity`` [radians/time], and ``angular_velocity_before`` for another value before t = 0; or
     ``amplitude`` [radians/time] * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t; or
@@ -480,7 +499,7 @@ class Cylinder(WallKeys):
     angular_velocities: Values | None = None
 
     @model_validator(mode="after")
-    def _check_schedule(self) -> "Cylinder":
+    def _check_schedule(self) -> "Turning":
         scheduled = self.angular_velocities is not None
         alien = ("angular_velocity_before", "angular_frequency", "phase") if scheduled else ("times",)
         word = "not" if scheduled else "only"
@@ -488,6 +507,20 @@ class Cylinder(WallKeys):
         if scheduled:
             check_as_many(self, "angular_velocities")
             check_schedule(self, "angular_velocities")
+        return self
+
+
+class Cylinder(Turning):
+    """Angular velocity of a cylinder, and ``slip_length``: see ``config/motion.SlipLength``."""
+
+    unset_keys = (*Turning.unset_keys, "slip_length")
+
+    slip_length: SlipLength | None = None
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> "Cylinder":
+        keys = "angular_velocity", "angular_velocity_before", "amplitude", "angular_velocities"
+        refuse(frictionless_findings(self, keys))
         return self
 
 

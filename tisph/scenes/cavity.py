@@ -13,10 +13,12 @@ from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import model_validator
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem, Signed
+from tisph.config.base import Model, Positive, Problem, Signed, refuse
 from tisph.config.checks import is_whole
+from tisph.config.motion import SlipLength, frictionless_findings, slip_length_of
 from tisph.exact.cavity import LID, CentreLine, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
@@ -62,13 +64,14 @@ POINTS = 401
 class Cavity(BodyScene):
     """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; all quantities in the config's units.
 
-    ``velocity``: velocity of a sharp lid, or of the middle of a ``regular`` one.
+    ``velocity``: velocity of a sharp lid, or of the middle of a ``regular`` one. ``slip_lengths``: of the ``bodies``.
     """
 
     width: float
     height: float
     velocity: float
     regular: bool
+    slip_lengths: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
 
     periodic = (False, False)
     flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
@@ -82,6 +85,7 @@ class Cavity(BodyScene):
             height=config.geometry.height,
             velocity=config.walls.lid.velocity,
             regular=config.walls.lid.profile == "regular",
+            slip_lengths=config.walls.slip_lengths,
         )
 
     @property
@@ -95,17 +99,18 @@ class Cavity(BodyScene):
         width, height = self.extent
         lid = Line((width, height), (-1.0, 0.0), width)
         profile = LID if self.regular else np.polynomial.Polynomial([1.0])
+        bottom, right, top, left = self.slip_lengths
         return (
-            Body(Line((0.0, 0.0), (1.0, 0.0), width)),
-            Body(Line((width, 0.0), (0.0, 1.0), height)),
-            SlidingWall(lid, speed=self.velocity, width=width, profile=profile),
-            Body(Line((0.0, height), (0.0, -1.0), height)),
+            Body(Line((0.0, 0.0), (1.0, 0.0), width), slip_length=bottom),
+            Body(Line((width, 0.0), (0.0, 1.0), height), slip_length=right),
+            SlidingWall(lid, slip_length=top, speed=self.velocity, width=width, profile=profile),
+            Body(Line((0.0, height), (0.0, -1.0), height), slip_length=left),
         )
 
     @cached_property
     def corners(self) -> tuple[CornerSingularity, ...]:
-        """The two upper corners, past which a sharp lid slides."""
-        if self.regular:
+        """The two upper corners, past which a sharp lid slides; none where the fluid slips along it."""
+        if self.regular or self.bodies[2].slip_length:
             return ()
         cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
         viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
@@ -165,7 +170,7 @@ class Cavity(BodyScene):
     @cached_property
     def reference(self) -> Reference:
         """See ``SceneDefaults.reference``: all are of the steady state."""
-        assumptions = {"a Newtonian fluid": self.rheology is None}
+        assumptions = {"a Newtonian fluid": self.rheology is None, "walls without slip": not any(self.slip_lengths)}
         if not self.regular:
             assumptions["a square cavity"] = self.width == self.height
             assumptions["a tabulated Reynolds number"] = bool(self._tables)
@@ -188,7 +193,7 @@ class Cavity(BodyScene):
     @cached_property
     def _tables(self) -> list[CentreLine]:
         """Tabulated centre lines of the square cavity under the sharp lid; none at other Reynolds numbers."""
-        if self.regular or self.width != self.height:
+        if self.regular or self.width != self.height or any(self.slip_lengths):
             return []
         try:
             return centre_lines(round(self._lid_reynolds, 9))
@@ -320,16 +325,45 @@ class Geometry(Model):
 
 
 class Lid(Model):
-    """Velocity along x of the lid y = height [length/time]: of the whole lid (sharp), or of its middle (regular)."""
+    """Velocity along x of the lid y = height [length/time]: of the whole lid (sharp), or of its middle (regular).
+
+    ``slip_length``: see ``config/motion.SlipLength``.
+    """
+
+    unset_keys = ("slip_length",)
 
     velocity: Signed
     profile: Literal["sharp", "regular"] = "sharp"
+    slip_length: SlipLength | None = None
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> "Lid":
+        refuse(frictionless_findings(self, ("velocity",)))
+        return self
+
+
+class Side(Model):
+    """A wall at rest; ``slip_length``: see ``config/motion.SlipLength``."""
+
+    unset_keys = ("slip_length",)
+
+    slip_length: SlipLength | None = None
 
 
 class Walls(Model):
     """The lid; the other three walls are at rest."""
 
+    unset_keys = ("bottom", "right", "left")
+
     lid: Lid
+    bottom: Side | None = None
+    right: Side | None = None
+    left: Side | None = None
+
+    @property
+    def slip_lengths(self) -> tuple[float, ...]:
+        """Slip lengths of the bottom, the right wall, the lid and the left wall."""
+        return tuple(map(slip_length_of, (self.bottom, self.right, self.lid, self.left)))
 
 
 class Config(schema.Config):
@@ -354,8 +388,8 @@ class Config(schema.Config):
 
     @property
     def singular(self) -> bool:
-        """Whether the lid slides past corners."""
-        return self.walls.lid.profile == "sharp"
+        """Whether the lid slides past corners, and drags the fluid there with it."""
+        return self.walls.lid.profile == "sharp" and self.walls.lid.slip_length is None
 
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
@@ -363,6 +397,10 @@ class Config(schema.Config):
         if rheology.type != "newtonian" and self.singular:
             text = f"must be regular with {rheology.type}"
             yield "walls.lid.profile", f"{text}: the corner flow under a sharp lid is known for newtonian fluids only"
+        for side in ("bottom", "right", "left") if self.singular else ():
+            if getattr(self.walls, side) and getattr(self.walls, side).slip_length:
+                text = "must be left out under a sharp lid without slip: the flow in its corners is known without slip"
+                yield f"walls.{side}.slip_length", text
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
 

@@ -18,7 +18,16 @@ from tisph.config import checks, schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, findings, refusals, refuse
 from tisph.config.ends import Ends
 from tisph.config.fields import Bodies, Member, number_or
-from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
+from tisph.config.motion import (
+    Amplitude,
+    SlipLength,
+    Times,
+    Values,
+    WallMotion,
+    check_as_many,
+    check_schedule,
+    frictionless_findings,
+)
 from tisph.scenes._channel import SIDES, Channel
 from tisph.scenes._initial import Contact, Drive, Initial, start_problems, still_problem
 
@@ -93,7 +102,7 @@ class Wall(WallMotion):
     outline: Annotated[tuple[Place, ...], Field(strict=False, min_length=2, max_length=1000)] | None = None
     corner_radius: Positive | None = None
     smooth: bool | None = None
-    slip_length: number_or(Positive, "infinite") | None = None
+    slip_length: SlipLength | None = None
 
     @property
     def shaped_by(self) -> str:
@@ -125,6 +134,7 @@ class Wall(WallMotion):
             raise refusals([(("times",), "must ascend from 0 on", self.times)])
         if found:
             raise refusals([((key,), text, getattr(self, key)) for key, text in found])
+        refuse(frictionless_findings(self, ("velocity", "velocity_before", "amplitude", "velocities")))
         return self
 
     @model_validator(mode="after")
@@ -158,10 +168,6 @@ def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
         yield "phase", "is only for a wall that oscillates, not for one with velocities at times"
     if not wall.stress_controlled:
         yield "mass_per_area", "is only for a stress-controlled wall, with keys such as shear_stress"
-        if wall.slip_length == "infinite":
-            text = "does nothing to a fluid that slips without friction (slip_length: infinite): leave it out"
-            keys = ("velocity", "velocity_before", "amplitude", "velocities")
-            yield from ((key, text) for key in keys if getattr(wall, key))
         return
     yield "velocity_before", "is not for a stress-controlled wall: it starts from rest"
     yield "slip_length", "is not for a stress-controlled wall, whose stress is given"
@@ -373,6 +379,8 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
             yield f"walls.{side}", f"must have a velocity: {where} no stress can drive a wall"
             return
     for side, wall in sides.items():
+        if wall.slip_length and config.initial.state == "developed":
+            yield "initial.state", f"must be rest {where} if the fluid slips along a wall (walls.{side})"
         if wall.velocities:
             yield f"walls.{side}.velocities", f"must be left out {where}: give velocity, or an amplitude"
             return

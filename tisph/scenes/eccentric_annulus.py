@@ -72,6 +72,8 @@ class Config(annulus.Config):
         if not (known or self.initial.state == "rest"):
             text = "must be rest, or developed for a Newtonian fluid between cylinders that do not oscillate"
             yield "initial.state", f"{text}: no other flow is known"
+        elif self.initial.state != "rest" and (self.walls.inner.slip_length or self.walls.outer.slip_length):
+            yield "initial.state", "must be rest where the fluid slips: no developed flow is known"
         inner, outer = Scene.from_config(self).bodies
         for problem in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
             yield "geometry.inner_radius", problem[1]
@@ -89,6 +91,7 @@ class Scene(BetweenCylinders):
     def reference(self) -> Reference:
         """See ``SceneDefaults.reference``: with inertia Stokes flow is known to be the steady state alone."""
         assumptions = {"a Newtonian fluid": self.rheology is None}
+        assumptions["cylinders without slip"] = not any(self.slip_lengths)
         if self.inertia:
             reynolds = self.velocity_scale * self.reference_length / self.kinematic_viscosity
             assumptions[f"a Reynolds number up to {CREEPING:g}, or no inertia"] = reynolds <= CREEPING

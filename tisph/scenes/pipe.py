@@ -15,12 +15,12 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals, refuse
 from tisph.config.ends import Ends
-from tisph.config.motion import Amplitude
+from tisph.config.motion import Amplitude, SlipLength, frictionless_findings, slip_length_of
 from tisph.config.motion import WallMotion as Oscillation
 from tisph.exact._fluids import Rheology, fluid_of
-from tisph.exact.start_up import CircularStartUp, PipeStartUp
+from tisph.exact.start_up import CircularStartUp, PipeStartUp, slipping
 from tisph.geometry.body import Body
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.measures.metrics import field_error
@@ -47,10 +47,21 @@ class Geometry(Model):
 
 
 class Cylinder(Model):
-    """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on."""
+    """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on.
+
+    ``slip_length``: see ``config/motion.SlipLength``.
+    """
+
+    unset_keys = ("slip_length",)
 
     velocity: Signed = 0.0
     angular_velocity: Signed = 0.0
+    slip_length: SlipLength | None = None
+
+    @model_validator(mode="after")
+    def _check_friction(self) -> "Cylinder":
+        refuse(frictionless_findings(self, ("velocity", "angular_velocity")))
+        return self
 
 
 class Walls(Model):
@@ -155,6 +166,10 @@ class Config(_axisymmetric.Config):
                 yield "initial.state", "must be rest or developed: with open ends no exact flow is known"
             return
         yield from start_problems(self, ())
+        loose = all(wall.slip_length == "infinite" for wall in ([inner] if self.inner_radius else []) + [outer])
+        if loose and self.drive.acceleration:
+            text = "must be 0 where no wall has friction (slip_length: infinite): nothing holds the fluid"
+            yield "drive.acceleration", text
         along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.amplitude)
         around = bool(inner.angular_velocity or outer.angular_velocity)
         if not along and not around:
@@ -217,12 +232,26 @@ class Scene(AxisymmetricScene):
     @property
     def velocity_scale(self) -> float:
         """Speed of the fastest wall, or the largest velocity that the drive may cause in a Newtonian fluid."""
-        square, viscosity = self.reference_length**2, self.kinematic_viscosity * (8.0 if self.inner_radius else 4.0)
+        square = self.reference_length**2 * self._largest_driven
+        viscosity = self.kinematic_viscosity
         driven = abs(self.acceleration) * square / viscosity
         if self.pulsation:
             strength = self.pulsation.amplitude
             driven += min(strength * square / viscosity, strength / self.pulsation.angular_frequency)
         return max(super().velocity_scale, driven)
+
+    @property
+    def _largest_driven(self) -> float:
+        """Largest velocity of a Newtonian fluid over drive H^2/nu, as between planes if there is an inner wall.
+
+        Without slip it is 1/4 in a pipe and 1/8 between planes. With slip lengths b it is 1/4 + b/(2 H), and between
+        planes c^2/2 + b c for the smaller b, c = (1/2 + b'/H)/(1 + b/H + b'/H) for the larger b'.
+        """
+        slips = sorted(body.slip_length / self.reference_length for body in self.bodies)
+        if not self.inner_radius:
+            return 0.25 + 0.5 * slips[0]
+        c = (0.5 + slips[1]) / (1.0 + sum(slips)) if slips[1] < math.inf else 1.0
+        return 0.5 * c**2 + slips[0] * c
 
     @property
     def vanishing_scale(self) -> bool:
@@ -248,7 +277,13 @@ class Scene(AxisymmetricScene):
     def _flows(self) -> "tuple[PipeStartUp | None, CircularStartUp | None]":
         """The references along and around the axis, each None if nothing moves that way."""
         inner, outer = self.bodies if self.inner_radius else (self.bodies[0], self.bodies[0])
-        axial, turning = (inner.motion.x, outer.motion.x), (inner.spin, outer.spin)
+        axial, turning = (
+            tuple(slipping(motion, wall.slip_length, self.kinematic_viscosity) for motion, wall in motions)
+            for motions in (
+                ((inner.motion.x, inner), (outer.motion.x, outer)),
+                ((inner.spin, inner), (outer.spin, outer)),
+            )
+        )
         developed = self.initial_state == "developed"
         fluid = self.rheology, self.kinematic_viscosity, self.density
         drive = self.acceleration, self.pulsation
@@ -361,7 +396,7 @@ class Scene(AxisymmetricScene):
 def _wall(name: str, wall: Any, radii: tuple[float, float], length: float) -> Body:
     """Return the body of one of the walls."""
     motion = {"motion": RigidMotion(x=WallMotion(wall.velocity)), "spin": WallMotion(wall.angular_velocity)}
-    return cylinder(radii[name == "outer"], length, name == "outer", **motion)
+    return cylinder(radii[name == "outer"], length, name == "outer", slip_length=slip_length_of(wall), **motion)
 
 
 @lru_cache(maxsize=8)

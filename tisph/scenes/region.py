@@ -84,7 +84,9 @@ def _around(given: Any) -> dict[str, Body]:
         if convex and (corners[:, 1] >= 0.0).all():
             pairs = zip(corners, ends, strict=True) if turns[0] > 0.0 else zip(ends, corners, strict=True)
             sides = {f"around_{i}": pair for i, pair in enumerate(pairs) if pair[0][1] or pair[1][1]}
-            return {name: Body(Line(a, b - a, float(np.hypot(*(b - a))))) for name, (a, b) in sides.items()}
+            slip = body.slip_length
+            lines = {name: Line(a, b - a, float(np.hypot(*(b - a)))) for name, (a, b) in sides.items()}
+            return {name: Body(line, slip_length=slip) for name, line in lines.items()}
     whole = body_of_revolution(body)
     return {"around": replace(whole, shape=replace(cast(Any, whole.shape), fluid_side="inside"))}
 
@@ -139,7 +141,7 @@ class Walls(Model):
         return self
 
 
-class Turning(annulus.Cylinder):
+class Turning(annulus.Turning):
     """Angular velocity around the axis of a ``wall`` or body, by its name in results; the keys are as for a cylinder.
 
     ``around`` means all sides of the closed wall.

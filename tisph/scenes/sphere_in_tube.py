@@ -17,6 +17,7 @@ from pydantic import model_validator
 
 from tisph.bodies import _clearance, circle
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
+from tisph.config.motion import SlipLength, slip_length_of
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
@@ -53,15 +54,17 @@ class Sphere(Model):
 
     ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], by default the density
     of the fluid, and an external ``force`` along the axis [mass length/time^2], such as its weight minus its buoyancy.
+    ``slip_length``: see ``config/motion.SlipLength``.
     """
 
-    unset_keys = ("velocity", *FREE_KEYS)
+    unset_keys = ("velocity", *FREE_KEYS, "slip_length")
 
     velocity: Signed | None = None
     free: bool = False
     density: NonNegative | None = None
     force: Signed | None = None
     angular_velocity: Signed = 0.0
+    slip_length: SlipLength | None = None
 
     @model_validator(mode="after")
     def _check_free(self) -> "Sphere":
@@ -155,7 +158,8 @@ class Scene(AxisymmetricScene):
         """Return the scene that a validated config describes."""
         geometry, kept = config.geometry, config.closure == "no_flux"
         given = config.walls.tube
-        tube = {"motion": RigidMotion(x=WallMotion(given.velocity)), "spin": WallMotion(given.angular_velocity)}
+        tube: dict[str, Any] = {"motion": RigidMotion(x=WallMotion(given.velocity))}
+        tube |= {"spin": WallMotion(given.angular_velocity), "slip_length": slip_length_of(given)}
         return cls(
             **cls.fluid_of(config),
             length=geometry.length,
@@ -354,4 +358,5 @@ def _body(config: Any) -> Body:
         load = (given.force or 0.0) + fluid * volume * config.drive.acceleration
         motion = FreeMotion(Inertia((mass, mass, 1.0), (load, 0.0, 0.0), held=(False, True, True), displaced=volume))
     centre, spin = (0.5 * geometry.length, 0.0), WallMotion(given.angular_velocity)
-    return Body(shape, centre, motion=motion, periods=(geometry.length, math.inf), spin=spin)
+    periods, slip_length = (geometry.length, math.inf), slip_length_of(given)
+    return Body(shape, centre, motion=motion, periods=periods, spin=spin, slip_length=slip_length)

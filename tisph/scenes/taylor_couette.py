@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tisph.config.base import NonNegative, Positive, Problem
+from tisph.config.motion import slip_length_of
 from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
@@ -96,6 +97,8 @@ class Config(_axisymmetric.Config):
                 yield f"walls.{name}.angular_velocity_before", "is for scene annulus alone"
             if developed and wall.speed is None:
                 yield "initial.state", f"must be rest where walls.{name} does not turn at a constant angular_velocity"
+            if developed and wall.slip_length:
+                yield "initial.state", f"must be rest where the fluid slips (walls.{name}): no laminar flow is built in"
         if developed and self.fluid.rheology.type != "newtonian":
             yield "initial.state", f"must be rest: the laminar flow of {self.fluid.rheology.type} is not built in here"
 
@@ -117,6 +120,7 @@ class Scene(AxisymmetricScene):
         """Return the scene that a validated config describes."""
         radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
         spins, gap = _spins(config), radii[1] - radii[0]
+        slips = [slip_length_of(config.walls.inner), slip_length_of(config.walls.outer)]
         plates = Line((0.0, radii[1]), (0.0, -1.0), gap), Line((length, radii[0]), (0.0, 1.0), gap)
         return cls(
             **cls.fluid_of(config),
@@ -126,8 +130,8 @@ class Scene(AxisymmetricScene):
             periodic=config.periodic,
             names=tuple(spins),
             bodies=(
-                cylinder(radii[0], length, outer=False, spin=spins["inner"]),
-                cylinder(radii[1], length, outer=True, spin=spins["outer"]),
+                cylinder(radii[0], length, outer=False, spin=spins["inner"], slip_length=slips[0]),
+                cylinder(radii[1], length, outer=True, spin=spins["outer"], slip_length=slips[1]),
                 *(Body(plate, spin=spins[name]) for plate, name in zip(plates, tuple(spins)[2:], strict=False)),
             ),
             developed=config.initial.state == "developed",
@@ -141,6 +145,7 @@ class Scene(AxisymmetricScene):
         constant = not any(spin.oscillates or spin.jump_times for spin in spins)
         assumptions = {"a Newtonian fluid": self.rheology is None, "flow without end plates": self.periodic[0]}
         assumptions["constant angular velocities"] = constant
+        assumptions["cylinders without slip"] = not any(body.slip_length for body in self.bodies)
         return Reference("torque of steady laminar flow", assumptions)
 
     @property

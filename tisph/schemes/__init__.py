@@ -20,9 +20,6 @@ EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
 AROUND_BODIES = ("adami", "virtual_image", "comoving_image")
 """Wall treatments of the explicit scheme at walls of bodies; the first one where a config names none."""
 
-SLIPPING = [(side, "slip_length") for side in ("bottom", "top")]
-"""Walls along which the fluid may slip, and the key of the slip length."""
-
 STRESS_CONTROLLED = [(side, "stress_controlled") for side in ("bottom", "top")]
 """Walls that may be stress-controlled, and the property that is then true."""
 
@@ -70,12 +67,13 @@ def _member(config: Any) -> "SchemeMember":
 def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
-    slipping = [side for side, key in SLIPPING if getattr(getattr(walls, side, None), key, None)]
-    if slipping and not config.parallel:
-        text = "must be left out: only in a channel without bodies and open ends the fluid may slip yet"
-        yield f"walls.{slipping[0]}.slip_length", text
+    slipping = next(slipping_walls(config), None)
+    if slipping and slipping.startswith("walls.") and getattr(config, "ends", None):
+        yield f"{slipping}.slip_length", "must be left out with open ends: their profiles have no slip yet"
+    if slipping and scheme != "implicit":
+        yield "scheme.type", f"{scheme} has no wall with a slip_length ({slipping}); take implicit"
     kinds = ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times"))
-    for keys, kind in (*kinds, (SLIPPING, "wall with a slip_length")):
+    for keys, kind in kinds:
         found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
         if found and scheme != "implicit":
             yield "scheme.type", f"{scheme} has no {kind} (walls.{found[0]}); take implicit"
@@ -90,6 +88,16 @@ def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
     name = config.fluid.rheology.type
     if scheme == "wcsph" and name not in EXPLICIT_RHEOLOGIES:
         yield "scheme.type", f"wcsph has no {name} fluid; take implicit"
+
+
+def slipping_walls(config: Any) -> Iterator[str]:
+    """Yield the dotted key of each wall or body of a config along which the fluid slips."""
+    walls = getattr(config, "walls", None)
+    named = {f"walls.{name}": getattr(walls, name) for name in type(walls).model_fields} if walls else {}
+    bodies = getattr(config, "bodies", None)
+    named |= {f"bodies.{i}": body for i, body in enumerate(bodies)} if isinstance(bodies, tuple) else {}
+    named["sphere"] = getattr(config, "sphere", None)
+    yield from (key for key, wall in named.items() if getattr(wall, "slip_length", None))
 
 
 def unused(config: Any, chosen: str, reason: str = "") -> Iterator["Problem"]:

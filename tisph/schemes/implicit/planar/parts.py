@@ -288,6 +288,10 @@ class BoundaryPart:
         """Return the ``velocity`` (count, components) at the points, with those that the part knows."""
         return velocity
 
+    def acceleration(self, acceleration: np.ndarray) -> np.ndarray:
+        """Return the ``acceleration`` (count, components) of the fluid at the points, for that of the walls."""
+        return acceleration
+
     def supports(self, factor: np.ndarray, positions: np.ndarray) -> np.ndarray:
         """Return the factors (points,) of the supports at ``positions`` (points, 2), for the ``factor`` near walls."""
         return factor

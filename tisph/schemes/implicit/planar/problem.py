@@ -151,7 +151,9 @@ def problem_of(scene: Any) -> Problem:
         margin = max(MARGIN * max(scene.extent), LEAST_MARGIN * scene.spacing, least)
         box = box_around(corners, scene.spacing, scene.periodic, margin, scene.axisymmetric)
         present = [body for body in scene.bodies if body.enters <= scene.start_time]
-        walls = (WallsOfRevolution if scene.axisymmetric else WallPoints)(present, scene.spacing, box.origin)
+        kind = WallsOfRevolution if scene.axisymmetric else WallPoints
+        periods = [size if periodic else np.inf for size, periodic in zip(scene.extent, scene.periodic, strict=True)]
+        walls = kind(present, scene.spacing, box.origin, periods)
     return Problem(
         **{each.name: getattr(box, each.name) for each in fields(box)},
         n_fluid=scene.particles,

@@ -34,6 +34,7 @@ from tisph.schemes.implicit.planar.parts import (
     ExtraStress,
 )
 from tisph.schemes.implicit.planar.problem import Problem
+from tisph.schemes.implicit.planar.slip import SlippingWalls
 from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
 from tisph.schemes.implicit.planar.viscoelastic_stress import ViscoelasticStress
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
@@ -505,6 +506,8 @@ def boundary_of(
         boundary.add(FreeBodyPart(boundary))
     if problem.open_ends:
         boundary.add(OpenEnds(boundary))
+    if any(body.slip_length for body in problem.bodies):
+        boundary.add(SlippingWalls(boundary))
     couplings = [coupling for part in boundary.parts for coupling in part.couplings(rounding, slow)]
     if problem.kept_mean_velocity is not None:
         couplings.append(MeanVelocityControl(problem, boundary))

@@ -109,10 +109,11 @@ def step_control(case: Any, targets: Sequence[float], tolerance: float | None, c
 def is_slow(case: Any, courant: float) -> bool:
     """Return whether velocity and pressure are solved for together, for steps of this Courant number.
 
-    So they are between walls where that step is ``LONGER`` than the splitting's longest one.
+    So they are between walls where that step is ``LONGER`` than the splitting's longest one, and where fluid slips.
     """
     longest = courant * case.spacing / case.reference_velocity
-    return not case.inertia or (bool(case.bodies) and longest > LONGER * viscous_step(case))
+    slips = any(body.slip_length for body in case.bodies)
+    return not case.inertia or slips or (bool(case.bodies) and longest > LONGER * viscous_step(case))
 
 
 def first_step(longest: float, case: Any) -> float:

@@ -126,11 +126,13 @@ class ViscoelasticStress(ExtraStress):
 
     @property
     def ratio(self) -> Any:
-        """Distances from the axis before the step over those after it, 1 of points on walls and in planar flow."""
+        """Distances from the axis before the step over those after it, 1 in planar flow and at walls without slip."""
         if not self.axisymmetric:
             return 1.0
-        ratio, fluid = np.ones(self.points.fluid), slice(self.n_fluid)
-        ratio[fluid] = (view(self.levels.position)[fluid, 1] + self.origin[1]) / self.radius[fluid]
+        ratio, moving = np.ones(self.points.fluid), np.ones(self.points.fluid, dtype=bool)
+        if self.walls:
+            moving[self.n_fluid :] = self.walls.slip_length > 0.0
+        ratio[moving] = (view(self.levels.position)[: len(ratio), 1][moving] + self.origin[1]) / self.radius[moving]
         return ratio
 
     def times_radius(self, values: np.ndarray, radius: np.ndarray) -> np.ndarray:
@@ -238,7 +240,7 @@ class ViscoelasticStress(ExtraStress):
         else:
             gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
-            self.take_known(self.walls, gradient[:, self.n_fluid :])
+            self.take_known(self.walls, gradient[:, self.n_fluid :], self.slip(self.walls, velocity))
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
@@ -253,12 +255,32 @@ class ViscoelasticStress(ExtraStress):
             change = np.stack(change) + change_of_logarithm(state.real, self.produced)
         return change
 
-    def take_known(self, walls: WallPoints, gradient: np.ndarray) -> None:
-        """Replace a measured velocity gradient (numbers, count) at ``walls`` by a shear along the wall, in place."""
-        plane = gradient[:4]
-        plane[...] = walls.gradients(plane.reshape(2, 2, -1), self.time).reshape(4, -1)
+    def slip(self, walls: WallPoints, velocity: Any) -> np.ndarray | None:
+        """Return the ``velocity`` (2, count) in the plane relative to ``walls`` along which fluid slips; None without.
+
+        It is 0 at other walls.
+        """
+        if not walls.slip_length.any():
+            return None
+        points = slice(self.n_fluid, self.points.fluid)
+        relative = view(velocity)[points].astype(float) - walls.velocities(self.time)
+        relative[:, 1] *= self.radius[points] if self.axisymmetric else 1.0
+        return np.where(walls.slip_length > 0.0, relative[:, :2].T, 0.0)
+
+    def take_known(self, walls: WallPoints, gradient: np.ndarray, slip: np.ndarray | None) -> None:
+        """Replace a measured velocity gradient (numbers, count) at ``walls`` by a shear along the wall, in place.
+
+        Fluid that slips with the velocity ``slip`` (2, count) is stretched along the wall as well.
+        """
+        plane, measured = gradient[:4], gradient[5:].copy()
+        plane[...] = walls.gradients(plane.reshape(2, 2, -1), self.time, slip).reshape(4, -1)
         if self.swirls and isinstance(walls, WallsOfRevolution):
-            gradient[5:] = walls.gradient_around(gradient[5:])
+            gradient[5:] = walls.gradient_around(measured)
+        if slip is not None and self.axisymmetric:
+            slips, normal = walls.slip_length > 0.0, walls.at(self.time)[1].T
+            across = np.where(slips, gradient[4], 0.0) * normal[:, None] * normal  # for a divergence of 0
+            plane -= across.reshape(4, -1)
+            gradient[5:, slips] = measured[:, slips]
 
     def store(self, velocity: Any, step: int) -> tuple[float, float, float]:
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.

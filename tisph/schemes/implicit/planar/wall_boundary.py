@@ -350,7 +350,11 @@ class WallBoundary(Boundary):
 
     def set_accelerations(self, equations: "Equations") -> None:
         """Set the forcing at the points to body force minus acceleration of the walls, at the start."""
-        acceleration, start = -self.walls.acceleration(self.problem.start_time), self.problem.start_time
+        start = self.problem.start_time
+        acceleration = self.walls.acceleration(start)
+        for part in self.parts:
+            acceleration = part.acceleration(acceleration)
+        acceleration = -acceleration
         if self.problem.body_force:
             acceleration += self.problem.unknowns_given(self.problem.body_force, *self.places.T, start)
         view(equations.forcing)[self.slots] = self.corners.add_start_force(acceleration, self.slots)

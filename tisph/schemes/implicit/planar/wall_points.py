@@ -60,7 +60,8 @@ class WallPoints:
 
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     ``solid`` (count,): whether a point is on a wall, and not on an open end. ``ends``: the open ends among
-    the bodies. ``kinds``: the bodies but outlets, and the outlets.
+    the bodies. ``kinds``: the bodies but outlets, and the outlets. ``slip_length`` (count,): of the walls, 0 without.
+    ``periods`` (2,) of the box, huge where it is not periodic.
 
     Steady walls are placed once. ``unsteady``: numbers of the other bodies, ``free`` of those that the flow moves.
     ``planes``: normal and offset of each straight wall that moves along itself at most, by its number.
@@ -68,8 +69,11 @@ class WallPoints:
 
     across_axis = False
 
-    def __init__(self, bodies: Sequence[Any], spacing: float, origin: Any) -> None:
+    def __init__(
+        self, bodies: Sequence[Any], spacing: float, origin: Any, periods: Sequence[float] = (np.inf, np.inf)
+    ) -> None:
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
+        self.periods = np.minimum(periods, 1e30)
         self.outlines = [self._outline(body) for body in bodies]
         self.length = np.concatenate([outline.length for outline in self.outlines])
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
@@ -80,6 +84,9 @@ class WallPoints:
             for body, each in zip(bodies, self.outlines, strict=True)
         ]
         self.solid = np.concatenate(solid)
+        self.slip_length = np.concatenate(
+            [np.full(len(each.length), body.slip_length) for body, each in zip(bodies, self.outlines, strict=True)]
+        )
         self.ends = [body for body in bodies if isinstance(body, OpenEnd)]
         self.kinds = [[body for body in bodies if isinstance(body, Outlet) == kind] for kind in (False, True)]
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
@@ -139,15 +146,61 @@ class WallPoints:
                     result[age][:, part] = curve(body.departure_point(boundary.point, gone)[:, 0])
         return result
 
+    def along_slipping(self, values: np.ndarray, time: float) -> np.ndarray:
+        """Return derivatives (numbers, count) of ``values`` along the walls along which fluid slips, 0 at other walls.
+
+        They are along the normal turned by a right angle counterclockwise, by cubic splines through the points.
+        """
+        result = np.zeros_like(values)
+        for number, part in enumerate(self.parts):
+            if self.bodies[number].slip_length:
+                place, curve = self.curve(number, values[:, part], time)
+                result[:, part] = curve(place, 1)
+        return result
+
+    def curve(self, number: int, values: np.ndarray, time: float) -> tuple[np.ndarray, Any]:
+        """Return the places (count,) along the wall ``number``, and the cubic spline of ``values`` (numbers, count).
+
+        Places grow along the normal turned by a right angle counterclockwise. A wall is closed, or goes on in the next
+        period of the box, if its ends are a spacing apart.
+        """
+        from scipy.interpolate import CubicSpline  # only slip needs it
+
+        boundary, periods = self._placed(time)[number], self.periods
+        point, (x, y) = boundary.point, boundary.normal[0]
+        forwards = point[1] - point[0]
+        order = slice(None) if x * forwards[1] - y * forwards[0] > 0.0 else slice(None, None, -1)
+        place = np.cumsum(boundary.length[order])[order] - 0.5 * boundary.length
+        apart = point[0] - point[-1]
+        closed = np.hypot(*(apart - periods * np.round(apart / periods))) < 1.5 * self.spacing
+        knots, values = place[order], values[:, order]
+        if closed:
+            knots = np.append(knots, knots[0] + boundary.length.sum())
+            values = np.append(values, values[:, :1], axis=1)
+        return place, CubicSpline(knots, values, axis=1, bc_type="periodic" if closed else "not-a-knot")
+
+    def sliding_acceleration(self, speed: np.ndarray, time: float) -> np.ndarray:
+        """Return the normal acceleration (count,) of fluid that slides along the walls, beyond that of their points.
+
+        It is w n . dU/ds - kappa w^2 with the ``speed`` w (count,) relative to the walls, along the normal turned by a
+        right angle counterclockwise. U is the velocity of a wall along its arc length s, kappa its curvature.
+        """
+        found = []
+        for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True):
+            tangent = boundary.normal[:, ::-1] * [-1.0, 1.0]
+            change = np.sum(boundary.normal * body.tangential_gradient(boundary.point, tangent, time), axis=1)
+            found.append(speed[part] * (change - boundary.curvature * speed[part]))
+        return np.concatenate(found)
+
     def inwards(self, normal: np.ndarray, velocity: np.ndarray) -> np.ndarray:
         """Return the parts (count,) into the fluid of velocities (count, 2) at the points with this ``normal``."""
         return np.sum(normal * velocity, axis=1)
 
-    def gradients(self, gradients: np.ndarray, time: float) -> np.ndarray:
+    def gradients(self, gradients: np.ndarray, time: float, slip: np.ndarray | None = None) -> np.ndarray:
         """Return velocity gradients (2, 2, count), du_a/dx_b, that agree with the motion of the walls.
 
         Along a wall the fluid's velocity varies as the wall's, and its divergence is 0: of the measured ``gradients``
-        only the shear is used.
+        only the shear is used. ``slip`` (2, count): velocity of the fluid relative to walls along which it slips.
         """
         boundaries, normal = self._placed(time), self._normals.T
         tangent = np.stack([normal[1], -normal[0]])
@@ -158,6 +211,8 @@ class WallPoints:
             for (body, part), along in zip(pairs, tangents, strict=True)
         ]
         strain = np.concatenate(parts).T
+        if slip is not None:
+            strain = strain - self.along_slipping(slip, time)
         shear = np.einsum("abn,an,bn->n", gradients, tangent, normal)
         across = shear * tangent - np.sum(strain * tangent, axis=0) * normal
         result = across[:, None] * normal + strain[:, None] * tangent
@@ -308,8 +363,10 @@ class WallsOfRevolution(WallPoints):
     ``across_axis`` says whether flow along one of them goes to the axis, or from it.
     """
 
-    def __init__(self, bodies: Sequence[Any], spacing: float, origin: Any) -> None:
-        super().__init__(bodies, spacing, origin)
+    def __init__(
+        self, bodies: Sequence[Any], spacing: float, origin: Any, periods: Sequence[float] = (np.inf, np.inf)
+    ) -> None:
+        super().__init__(bodies, spacing, origin, periods)
         self.near_axis = NEAR_AXIS * spacing
         steepest = [np.abs(outline.normal[:, 0]).max() for outline in self.outlines]
         walls = [not isinstance(body, OpenEnd) for body in bodies]

@@ -488,7 +488,7 @@ class Turning(WallKeys):
     speed_key = "angular_velocity"
     other_keys = ("angular_velocities",)
     exclusive_keys = ("angular_velocity", "amplitude", "angular_velocities")
-    unset_keys = ("angular_velocity_before", "angular_frequency", "phase", "times")
+    unset_keys: ClassVar[tuple[str, ...]] = ("angular_velocity_before", "angular_frequency", "phase", "times")
 
     angular_velocity: Signed | None = None
     angular_velocity_before: Signed | None = None

@@ -139,9 +139,10 @@ class SlippingWalls(BoundaryPart):
 
     def end_impulse(self, equations: "Equations") -> None:
         """Compute the velocities after the impulse of the start, whose potential is the present pressure."""
+        solver: Any = equations  # Coupled
         potential = view(equations.pressure.x)[: self.problem.particles].astype(float)
         self.velocity_there = self.boundary.fluid_velocity[self.chosen]
-        for component, matrix in enumerate((equations.stokes.wall_x, equations.stokes.wall_y)):
+        for component, matrix in enumerate((solver.stokes.wall_x, solver.stokes.wall_y)):
             self.velocity_there[:, component] -= (matrix @ potential)[self.chosen]
 
     @property

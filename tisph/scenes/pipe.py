@@ -232,9 +232,8 @@ class Scene(AxisymmetricScene):
     @property
     def velocity_scale(self) -> float:
         """Speed of the fastest wall, or the largest velocity that the drive may cause in a Newtonian fluid."""
-        square = self.reference_length**2 * self._largest_driven
-        viscosity = self.kinematic_viscosity
-        driven = abs(self.acceleration) * square / viscosity
+        square, viscosity = self.reference_length**2 * self._largest_driven, self.kinematic_viscosity
+        driven = abs(self.acceleration) * square / viscosity if self.acceleration else 0.0
         if self.pulsation:
             strength = self.pulsation.amplitude
             driven += min(strength * square / viscosity, strength / self.pulsation.angular_frequency)

@@ -152,7 +152,7 @@ def snapshot_of(config, scene, loads, contact):
 def test_stress_by_bodies_is_that_of_the_balance_of_momentum(make):
     """What the fluid does to bodies gives the stress: forces of contact and from outside are in that already."""
     config, scene = make()
-    contact = Contact(scene.bodies, NEAR, 3.0, 0.05).loads(0.0)[0]
+    contact = Contact(scene.bodies, NEAR, 3.0, 0.05).loads([body.at() for body in scene.bodies])[0]
     loads = np.random.default_rng(1).normal(size=contact.shape)
     inertia = scene.bodies[0].motion.inertia
     loads[0, :3] = -contact[0, :3] - inertia.load  # in slow flow all loads on the free freedoms cancel
@@ -167,7 +167,7 @@ def test_stress_by_bodies_is_that_of_the_balance_of_momentum(make):
 
 def test_stresslets_of_contact_are_those_of_forces_between_centres(make):
     _, scene = make()
-    loads = Contact(scene.bodies[:2], NEAR, 3.0, 0.05).loads(0.0)[0]
+    loads = Contact(scene.bodies[:2], NEAR, 3.0, 0.05).loads([body.at() for body in scene.bodies[:2]])[0]
     (along, across), force = np.array([-0.4, 0.15]), loads[0, :2]  # to the other one, through the period
     assert loads[:2, 3].sum() == pytest.approx(0.5 * (along * force[1] + across * force[0]), rel=1e-12)
     assert loads[0, 3] > 0.0  # pressed together along the axis of compression they resist

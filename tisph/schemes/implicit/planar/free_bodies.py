@@ -36,6 +36,7 @@ from typing import Any
 import numpy as np
 
 from tisph.errors import DivergedError
+from tisph.geometry.body import BodyState
 from tisph.geometry.ends import Inlet, OpenEnd
 from tisph.numerics.stokes import Unknowns, WallRows
 from tisph.runtime import real, scalar, ti, view
@@ -85,7 +86,9 @@ class Contact:
 
     def __init__(self, bodies: Sequence[Any], distance: float, pressure: float, spacing: float) -> None:
         self.bodies, self.distance, self.pressure = bodies, distance, pressure
-        self.outlines = [body.shape.boundary_points(spacing / FINER) if body.shape.area else None for body in bodies]
+        self.outlines: list[Any] = [
+            body.shape.boundary_points(spacing / FINER) if body.shape.area else None for body in bodies
+        ]
         # points of the first of two free bodies push against the second, and points of a free body against a wall
         self.pairs = [
             (first, second)
@@ -106,45 +109,46 @@ class Contact:
         self.touching: set[Pair] = set()
         self.count, self.duration, self.largest = 0, 0.0, 0.0
 
-    def loads(self, time: float) -> tuple[np.ndarray, dict[Pair, float], dict[Pair, float]]:
-        """Return force, torque and stresslet (bodies, 4) at ``time``, and by pair the force and the smallest gap.
+    def loads(self, states: Sequence[BodyState]) -> tuple[np.ndarray, dict[Pair, float], dict[Pair, float]]:
+        """Return force, torque and stresslet (bodies, 4) on bodies in these ``states``; force and gap of each pair.
 
         Stresslets are taken from the centre of each body, as in ``WallPoints.sums``: both of a pair add up to the
         stresslet of its force over the vector between the centres.
         """
         loads, forces, gaps = np.zeros((len(self.bodies), 4)), {}, {}
-        for first, second in self._near_pairs(time):
-            found = self._between(first, second, time)
+        for first, second in self._near_pairs(states):
+            found = self._between(first, states[first], states[second])
             if found is None:
                 continue
             gap, points, pushes = found
             forces[first, second], gaps[first, second] = float(np.hypot(*pushes.sum(axis=0))), gap
             for number, sign in ((first, 1.0), (second, -1.0)):
-                away = points - self.bodies[number].at(time).centre
-                arm = away - self.bodies[number].nearest_copy(away)
+                arm = states[number].from_centre(points)
                 loads[number, :2] += sign * pushes.sum(axis=0)
                 along, across = np.sum(arm[:, 0] * pushes[:, 1]), np.sum(arm[:, 1] * pushes[:, 0])
                 loads[number, 2:] += sign * np.array([along - across, 0.5 * (along + across)])
         return loads, forces, gaps
 
-    def _near_pairs(self, time: float) -> list[Pair]:
+    def _near_pairs(self, states: Sequence[BodyState]) -> list[Pair]:
         """Return the pairs whose bounding circles are within the distance."""
         if not self.pairs:
             return []
         first, second = np.array(self.pairs).T
-        centres = np.array([body.at(time).centre for body in self.bodies])
+        centres = np.array([state.centre for state in states])
         apart = centres[second] - centres[first]
         away = np.hypot(*(apart - self.bodies[first[0]].nearest_copy(apart)).T)
         for number in set(second[~self.in_fluid[second]].tolist()):
-            away = np.where(second == number, self.bodies[number].nearest(centres, time).distance[first], away)
+            away = np.where(second == number, states[number].nearest(centres).distance[first], away)
         near = away <= self.radii[first] + self.radii[second] + self.distance
         return [pair for pair, may_touch in zip(self.pairs, near, strict=True) if may_touch]
 
-    def _between(self, first: Any, second: Any, time: float) -> tuple[float, np.ndarray, np.ndarray] | None:
-        """Return the smallest gap, points and forces on them (n, 2) of the ``first`` body; None where it is far."""
-        one, other = self.bodies[first], self.bodies[second]
-        boundary = one.placed(self.outlines[first], time)
-        foot = other.nearest(boundary.point, time)
+    def _between(self, number: int, first: BodyState, second: BodyState) -> tuple[float, np.ndarray, np.ndarray] | None:
+        """Return the smallest gap, points and forces on them (n, 2) of the ``first`` body; None where it is far.
+
+        ``number``: of the first body.
+        """
+        boundary = first.placed(self.outlines[number])
+        foot = second.nearest(boundary.point)
         near = foot.distance < self.distance
         if not near.any():
             return None
@@ -245,7 +249,7 @@ class FreeBodies:
         self.known = sum(weight * level for weight, level in zip(alpha, levels, strict=False))
         self.extrapolated = np.array([motion.extrapolated(time) for motion in self.motions])
         self.lower = sum(weight * level for weight, level in zip(times.lower_extrapolation(), levels, strict=False))
-        loads, self.touching, self.gaps = self.contact.loads(time)
+        loads, self.touching, self.gaps = self.contact.loads(self.walls.states(time))
         self.pushes = loads[self.index, :3] / self.density
         self.begin(self.extrapolated.copy(), self.gamma0 * (self.mass + self.added_mass(dt / self.gamma0)))
         self.attempt()
@@ -412,7 +416,8 @@ class FreeBodyPart(BoundaryPart):
 
     def contact_loads(self, time: float) -> np.ndarray:
         """Return the loads (bodies, 4) of contacts at ``time``, which depend on places alone and need no levels."""
-        return self.bodies.contact.loads(time)[0]
+        contact = self.bodies.contact
+        return contact.loads([body.at(time) for body in contact.bodies])[0]
 
     def numbers(self) -> Mapping[str, Any]:
         """Return number and duration of contacts, and the largest contact force."""

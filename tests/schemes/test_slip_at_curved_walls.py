@@ -11,7 +11,9 @@ import pytest
 
 from tisph import registry, runtime, scenes, schemes
 from tisph.config.schema import model_of
+from tisph.errors import ConfigError
 from tisph.measures.fits import section_mean
+from tisph.measures.rheometry import read
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 
@@ -214,3 +216,8 @@ def test_a_resumed_run_has_the_same_bits(tmp_path):
 def test_single_precision():
     config, scene = annulus(discretisation={"precision": "f32"})
     assert error(scene, run(config, scene)) < 5e-4
+
+
+def test_a_flow_with_slip_is_no_rheometer():
+    with pytest.raises(ConfigError, match="slips along a wall"):
+        read(*annulus(), {})

@@ -273,6 +273,8 @@ def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: An
     ``contacts``: number of contacts of bodies, if known; ``last``: numbers of the last sample by name. ConfigError
     where the run is not a flow of a rheometer.
     """
+    if any(body.slip_length for body in channel.bodies) or any(getattr(channel, "slip_lengths", ())):
+        raise ConfigError("its fluid slips along a wall (slip_length): it has another shear rate than the walls say")
     if config.scene in VISCOMETERS:
         return read_viscometer(config.scene, channel, table, last)
     if channel.has_free_bodies:
@@ -281,8 +283,6 @@ def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: An
         fluid = spectrum(config.fluid.rheology, channel)
         plane, wall, table = as_plane(channel, table)
         return _by_velocity(config, plane, fluid, wall, table)
-    if any(channel.slip_lengths):
-        raise ConfigError("its fluid slips along a wall (slip_length): it has another shear rate than the walls say")
     if channel.extra_series is None or "strain" not in table:
         raise ConfigError("its history has no wall stress: it is of a Newtonian fluid, or has not ended")
     fluid = spectrum(config.fluid.rheology, channel)

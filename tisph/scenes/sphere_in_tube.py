@@ -286,6 +286,7 @@ class Scene(AxisymmetricScene):
         assumptions = {
             "a free sphere": sphere.free and isinstance(sphere.shape, Circle),
             "a Newtonian fluid": self.rheology is None,
+            "walls without slip": not (sphere.slip_length or tube.slip_length),
             "a closed tube at rest": self.kept_mean_velocity == 0.0 and not tube.motion.x.largest_speed,
             f"a radius up to {LARGEST_RATIO:g} of the tube's": radius <= LARGEST_RATIO * tube_radius,
             f"spheres {APART:g} radius of the tube apart": self.length - 2.0 * radius >= APART * tube_radius,

@@ -89,7 +89,7 @@ def test_developed_pulsating_flow_satisfies_its_equation(loaded):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (SLIT, "its profile is that of developed pulsating flow"),
+        (SLIT, "its profile is that of developed flow whose mean velocity changes so"),
         ((*SLIT, "ends.left.profile=parabolic"), "the flow behind it develops from that"),
         ((*SLIT, "fluid={density: 1.0, kinematic_viscosity: 0.04, inertia: false}"), "develops from that"),
         ((ENDS,), "width 2 m"),

@@ -46,7 +46,7 @@ class End(Model):
     Fluid enters an inlet with the mean ``velocity`` + ``amplitude`` * cos or sin (``phase``) of w t [length/time], or
     with the mean ``velocities`` at ``times``, linear in between and constant before and after. Its ``profile`` is the
     profile of the fluid's own developed flow, a parabola, uniform, or a table. Where the mean changes in time, the
-    profile is scaled by it; developed flow of a Newtonian fluid that oscillates has the exact profile at each time.
+    profile is scaled by it; developed flow of a Newtonian or Oldroyd-B fluid has the exact profile at each time.
     """
 
     unset_keys = (*MOTION_KEYS, "profile", "pressure")

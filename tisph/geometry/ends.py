@@ -49,22 +49,21 @@ class OpenEnd(Body):
 class Inlet(OpenEnd):
     """An end with the velocity ``course`` (t) * ``profile`` (y) into the fluid, along its normal.
 
-    ``oscillation``: None, or a profile whose complex amplitudes, times e^(i w t), are added and have no flow rate; w
-    is the angular frequency of the course. ``swirl`` (A, B): velocity A r + B/r around the axis.
+    ``changing``: None, or what is added to it (``exact/flow_rate.py``): the profile of a flow that changes in time.
+    ``swirl`` (A, B): velocity A r + B/r around the axis.
     """
 
     profile: InletProfile
     course: Any
-    oscillation: Any = None
+    changing: Any = None
     swirl: tuple[float, float] = (0.0, 0.0)
 
     def _inwards(self, part: str, points: np.ndarray, time: float, order: int = 0) -> np.ndarray:
         """Return the time derivative of an ``order`` 0 or 1 of a ``part`` of the profiles, along the normal."""
         course, y = (self.course.velocity, self.course.acceleration)[order], points[:, 1]
         values = float(course(time)) * getattr(self.profile, part)(y)
-        if self.oscillation:
-            turning = 1j * self.course.wave.angular_frequency
-            values = values + (turning**order * np.exp(turning * time) * getattr(self.oscillation, part)(y)).real
+        if self.changing:
+            values = values + getattr(self.changing, part)(y, time, order)
         return values[:, None] * self.shape.normal
 
     def point_velocity(self, points: np.ndarray, state: BodyState) -> np.ndarray:

@@ -16,6 +16,7 @@ from numpy.polynomial import Polynomial
 from tisph.config.base import Problem
 from tisph.config.ends import Table
 from tisph.exact._fluids import fluid_of
+from tisph.exact.flow_rate import ChangingProfile
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.body import Body
 from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, InletProfile, OpenEnd, Outlet
@@ -73,12 +74,13 @@ def inlet_and_outlet(config: Any) -> dict[str, Any]:
     places, around = end_lines(config), config.axisymmetric
     sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
     heights = heights_at(config, sides[0])
+    profile = profile_of(config, *heights)
     inlet = Inlet(
         shape=places[sides[0]],
         axisymmetric=around,
-        profile=profile_of(config, *heights),
+        profile=profile,
         course=course_of(config.ends.inlet),
-        oscillation=None if around else Pulsation.of(config, *heights),
+        changing=changing_profile(config, profile, *heights),
     )
     return {sides[0]: inlet, sides[1]: Outlet(shape=places[sides[1]], axisymmetric=around)}
 
@@ -98,52 +100,19 @@ class InletFlow:
         return found.reshape(len(found), *np.shape(x))
 
 
-@dataclass(frozen=True)
-class Pulsation:
-    """An ``Inlet.oscillation``: developed oscillating flow between the heights ``low`` and ``high``.
+def changing_profile(config: Any, profile: InletProfile, low: float, high: float) -> ChangingProfile | None:
+    """Return what the profile of developed flow has beside ``profile`` times the mean velocity; None for nothing.
 
-    A mean velocity A e^(i w t) from s = -h to h has the velocity, with k^2 = i w/nu,
-
-        u = A e^(i w t) (1 - cosh(ks)/cosh(kh))/(1 - tanh(kh)/(kh)),
-
-    of which the parabola with the same mean is subtracted. ``amplitude`` is A, ``wavenumber`` k. Source: J. R.
-    Womersley, J. Physiol. 127 (1955) 553-563, for a tube.
+    Developed flow has nothing else where its mean velocity is constant, and without inertia.
     """
-
-    amplitude: complex
-    wavenumber: complex
-    low: float
-    high: float
-
-    @classmethod
-    def of(cls, config: Any, low: float, high: float) -> "Pulsation | None":
-        """Return the pulsation of a ``config``; None unless the developed flow of a Newtonian fluid oscillates."""
-        given, exact = config.ends.inlet, config.fluid.inertia and config.fluid.rheology.type == "newtonian"
-        if given.profile != "developed" or given.amplitude is None or not exact:
-            return None
-        wavenumber = np.sqrt(1j * given.angular_frequency / config.kinematic_viscosity)
-        return cls(given.amplitude * (1.0 if given.phase == "cos" else -1j), wavenumber, low, high)
-
-    def value(self, y: np.ndarray) -> np.ndarray:
-        """Return the complex amplitude at heights ``y``."""
-        cosh, scale = self._parts(y, 1.0)
-        return self.amplitude * ((1.0 - cosh) / scale - 6.0 * (y - self.low) * (self.high - y) / self._width**2)
-
-    def slope(self, y: np.ndarray) -> np.ndarray:
-        """Return the derivative of ``value`` along y."""
-        sinh, scale = self._parts(y, -1.0)
-        slope = -self.wavenumber * sinh / scale - 6.0 * (self.low + self.high - 2.0 * y) / self._width**2
-        return self.amplitude * slope
-
-    @property
-    def _width(self) -> float:
-        return self.high - self.low
-
-    def _parts(self, y: np.ndarray, sign: float) -> tuple[np.ndarray, complex]:
-        """Return cosh(ks), or with the ``sign`` -1 sinh(ks), over cosh(kh), and 1 - tanh(kh)/(kh)."""
-        k, half, s = self.wavenumber, 0.5 * self._width, y - 0.5 * (self.low + self.high)
-        over_wall = (np.exp(k * (s - half)) + sign * np.exp(-k * (s + half))) / (1.0 + np.exp(-2.0 * k * half))
-        return over_wall, 1.0 - np.tanh(k * half) / (k * half)
+    given, course = config.ends.inlet, course_of(config.ends.inlet)
+    changes = given.velocities or given.amplitude
+    if given.profile != "developed" or not changes or not config.fluid.inertia or depends_on_flow_rate(config):
+        return None
+    rheology = config.fluid.rheology if config.fluid.polymer else None
+    fluid: Any = fluid_of(rheology, config.kinematic_viscosity, config.fluid.density)
+    modes = [(law.relaxation_time, law.polymer_viscosity) for law in fluid.laws]
+    return ChangingProfile(low, high, profile.value, fluid.solvent_viscosity, modes, course, config.axisymmetric)
 
 
 def least_inflow(config: Any) -> tuple[float, float]:
@@ -542,8 +511,8 @@ class Stream(OpenEnded, Cell):
         length, speed = self.units.length, f"{self.units.length}/{self.units.time}"
         course, width = self.inlet.course, self.inlet.shape.length
         text = f"mean velocity up to {course.largest_speed:.6g} {speed}, width {width:.6g} {length}"
-        if self.inlet.oscillation:
-            text += "; its profile is that of developed pulsating flow"
+        if self.inlet.changing:
+            text += "; its profile is that of developed flow whose mean velocity changes so"
         elif not self._constant:
             text += "; its profile is the given one times the mean velocity, and the flow behind it develops from that"
         return [*super().parameters(), ("inlet", text)]

@@ -76,6 +76,18 @@ def test_a_layer_is_resolved_from_a_number_of_spacings_on():
     assert resolution(replace(channel, spacing=0.5 * channel.spacing), 0.25 * enough * (1 + 1e-12)) == (True, None)
 
 
+def test_without_inertia_nothing_diffuses_into_the_fluid():
+    """Slow flow past bodies is all there from the start, however short the time since then."""
+    lattice = {
+        "scene": "lattice", "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False},
+        "geometry": {"length": 1.0, "height": 1.0}, "drive": {"acceleration": 1.0}, "time": {"end": 1e-4},
+        "bodies": [{"type": "circle", "centre": [0.5, 0.5], "radius": 0.2}],
+    }  # fmt: skip
+    slow = scenes.of(loaded(lattice, {}))
+    assert resolution(slow, 1e-4) == (True, None)
+    assert resolution(replace(slow, inertia=True), 1e-4)[0] is False
+
+
 def test_samples_and_pictures_say_so():
     channel = make_channel(rows=20)
     early, late = (make_snapshot(channel, t) for t in (1e-2, 20.0))

@@ -146,10 +146,10 @@ def resolution(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[
 def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[str, str] | None:
     """Return a short text for frames and a full reason if the flow is not resolved at time ``t``; None if it is.
 
-    Before the run, without a ``snapshot``, only layers, radii and gaps are checked.
+    Before the run, without a ``snapshot``, only layers, radii and gaps are checked. Without inertia there is no layer.
     """
     given, scene = scene, scene if snapshot is None else scene.seen(snapshot)
-    depth, layer = scene.thinnest_layer(t)
+    depth, layer = scene.thinnest_layer(t) if scene.inertia else (math.inf, "")
     spacings = depth / scene.spacing
     if spacings < LEAST_DEPTH:
         text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"

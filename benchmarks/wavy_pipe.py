@@ -14,14 +14,19 @@ points in q/R^2, Newton's method with the whole matrix.
     python benchmarks/wavy_pipe.py
 
 prints the acceleration, -(mean pressure gradient)/density, at two resolutions for mean velocities through the full
-radius of 1, viscosities of 2/Re, so that Re is by the diameter there.
+radius of 1, viscosities of 2/Re, so that Re is by the diameter there; and the pressure drop of one wave in a straight
+pipe.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 LENGTH, DEPTH = 3.0, 0.4
 REYNOLDS = 0.0, 10.0, 30.0, 100.0
+PERIOD, OPEN, OPEN_REYNOLDS = 12.0, 6.0, (10.0, 100.0)
+"""Period of a pipe in which the flow develops again behind a constriction, length of a pipe with open ends around it."""
 
 
 def chebyshev_points(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -42,11 +47,22 @@ def fourier_points(count: int, period: float) -> tuple[np.ndarray, np.ndarray]:
     return period * k / count, 2.0 * np.pi / period * matrix
 
 
-def acceleration(reynolds: float, columns: int, rows: int, length: float = LENGTH, depth: float = DEPTH) -> float:
+def wave(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the radius of the wavy pipe at ``x``, and its slope."""
+    phase = 2.0 * np.pi * x / LENGTH
+    return 1.0 - 0.5 * DEPTH * (1.0 - np.cos(phase)), -np.pi * DEPTH / LENGTH * np.sin(phase)
+
+
+def constriction(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the radius of a straight pipe with one wave from x = 1 to 3, and its slope."""
+    phase, there = np.pi * (x - 2.0), np.abs(x - 2.0) < 1.0
+    return 1.0 - 0.5 * DEPTH * there * (1.0 + np.cos(phase)), 0.5 * np.pi * DEPTH * there * np.sin(phase)
+
+
+def acceleration(reynolds: float, columns: int, rows: int, length: float = LENGTH, wall: Callable = wave) -> float:
     """Return the acceleration along the axis for Q = pi and nu = 2/``reynolds``; for nu = 1 without inertia if 0."""
     (x, d_x), (s, d_s) = fourier_points(columns, length), chebyshev_points(rows)
-    radius = 1.0 - 0.5 * depth * (1.0 - np.cos(2.0 * np.pi * x / length))
-    slope = d_x @ radius
+    radius, slope = wall(x)
     squares = np.repeat(radius**2, rows)
     height = np.tile(s, columns)
     q = squares * height
@@ -87,6 +103,14 @@ def main() -> None:
     for reynolds in REYNOLDS:
         coarse, fine = acceleration(reynolds, 31, 15), acceleration(reynolds, 41, 21)
         print(f"{reynolds:6g} {coarse:12.7f} {fine:12.7f} {abs(coarse / fine - 1.0):11.1e}")
+    print(f"straight pipe with one wave from x = 1 to 3, period {PERIOD:g}: pressure drop over a length of {OPEN:g}")
+    print(f"{'Re':>6} {'121 x 13':>12} {'161 x 15':>12}")
+    for reynolds in OPEN_REYNOLDS:
+        drops = [
+            PERIOD * acceleration(reynolds, *points, PERIOD, constriction) - 16.0 / reynolds * (PERIOD - OPEN)
+            for points in ((121, 13), (161, 15))
+        ]
+        print(f"{reynolds:6g} {drops[0]:12.4f} {drops[1]:12.4f}")
 
 
 if __name__ == "__main__":

@@ -81,3 +81,46 @@ SPHERE = {
     "ends": {"left": INLET, "right": OUTLET},
     "runtime": {"threads": 1},
 }
+
+
+def steady(config, across, end):
+    """Return the diagnostics at ``end`` of a ``config`` with this many particles across."""
+    return finished(config, discretisation={"particles_across": across}, time={"end": end})[2]
+
+
+@pytest.mark.parametrize(("radius", "across"), [(0.5, 24), pytest.param(0.25, 48, marks=pytest.mark.slow)])
+def test_drag_of_a_sphere_on_the_axis_of_a_pipe(radius, across):
+    """Drag over 6 pi mu a times the largest velocity upstream, W. L. Haberman, R. M. Sayre, DTMB Report 1143 (1958).
+
+    Their approximation is for a/R = 0.25. For 0.5 the reciprocal theorem gives the drag D from the pressure drop: D^2 =
+    6 pi mu a (K_c - K_p) pi R^2 drop, with K_c = 5.947377 and K_p = 2.334005 of spheres that move in a tube 4 R long
+    without a flow rate, and without a pressure drop (spectral and finite elements; docs/evidence/verification.md).
+    """
+    body = {"type": "circle", "centre": [2.0, 0.0], "radius": radius}
+    found = steady({**SPHERE, "bodies": [body]}, across, 0.02)
+    stokes = 6.0 * np.pi * radius
+    drag = 2.0 * stokes * 1.897817
+    if radius == 0.5:
+        drag = np.sqrt(stokes * (5.947377 - 2.334005) * np.pi * found["pressure_drop"])
+    assert found["force_body_0"] == pytest.approx(drag, rel=5e-3)
+
+
+CONSTRICTION = {10: 20.097, 100: 3.162}
+"""``python benchmarks/wavy_pipe.py``: Reynolds number -> pressure drop, equal at two resolutions to 2e-4."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reynolds", CONSTRICTION)
+def test_pressure_drop_of_a_constriction(reynolds):
+    x = np.concatenate([np.arange(0.0, 1.0, 0.25), np.linspace(1.0, 3.0, 25), np.arange(3.25, 6.01, 0.25)])
+    wall = 1.0 - 0.2 * (np.abs(x - 2.0) < 1.0) * (1.0 + np.cos(np.pi * (x - 2.0)))
+    config = {
+        **SPHERE,
+        "fluid": {"density": 1.0, "kinematic_viscosity": 2.0 / reynolds},
+        "geometry": {"length": 6.0, "height": 1.005},  # a smooth curve overshoots
+        "walls": {"top": {"outline": np.stack([x, wall], axis=1).round(12).tolist(), "smooth": True}},
+        "ends": {"left": {"type": "inlet", "times": [0.0, 0.3], "velocities": [0.0, 1.0]}, "right": OUTLET},
+    }
+    found = steady(config, 16, 2.0 if reynolds == 10 else 12.0)
+    assert found["pressure_drop"] == pytest.approx(CONSTRICTION[reynolds], rel=5e-3)
+    assert abs(found["mass_imbalance"]) < 1e-3

@@ -25,8 +25,8 @@ from numpy.polynomial import chebyshev
 
 LENGTH, DEPTH = 3.0, 0.4
 REYNOLDS = 0.0, 10.0, 30.0, 100.0
-PERIOD, OPEN, OPEN_REYNOLDS = 12.0, 6.0, (10.0, 100.0)
-"""Period of a pipe in which the flow develops again behind a constriction, length of a pipe with open ends around it."""
+PERIOD, OPEN, OPEN_REYNOLDS = 12.0, 6.0, (10.0,)
+"""Period of a pipe in which the flow develops again behind a constriction, and length of a pipe with open ends."""
 
 
 def chebyshev_points(count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -241,7 +241,7 @@ def test_pairs_that_are_left_out_of_contact_do_not_touch(make):
         bodies = [replace(body, centre=tuple(place)) for body, place in zip(scene.bodies, centres, strict=False)]
         bodies += scene.bodies[7:]
         contact = Contact(bodies, 0.1, 1.0, 0.05)
-        near = contact._near_pairs(0.0)
+        near = contact._near_pairs([body.at() for body in bodies])
         assert 0 < len(near) < len(contact.pairs)
         assert all(gap(bodies[i], bodies[j]) > 0.1 for i, j in set(contact.pairs) - set(near))
 

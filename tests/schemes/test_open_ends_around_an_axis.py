@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import tisph
+from tisph import scenes
+from tisph.config.loader import loaded
 
 pytestmark = pytest.mark.taichi
 
@@ -71,6 +73,15 @@ def test_flow_between_pipes_leaves_an_outlet_on_the_left_without_inertia():
     assert found["pressure_drop"] == pytest.approx(drop, rel=2e-3)
     assert found["outflow"] == pytest.approx(0.84 * np.pi, rel=1e-3)
     assert scene.inlet.area == pytest.approx(0.84 * np.pi)
+
+
+def test_a_plug_has_flow_rates_over_time_and_no_force():
+    """At the corner of inlet and wall the stress is infinite."""
+    still = {key: value for key, value in PIPE.items() if key not in ("walls", "initial")}
+    ends = {"left": {**INLET, "profile": "uniform"}, "right": OUTLET}
+    series = scenes.of(loaded({**still, "ends": ends}, {})).time_series()
+    assert "force_outer" not in series.columns
+    assert series.columns[-2:] == ["inflow", "outflow"]
 
 
 SPHERE = {

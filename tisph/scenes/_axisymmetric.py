@@ -233,6 +233,7 @@ class AxisymmetricScene(BodyScene):
         area = 2.0 * np.pi * self.outer_radius * self.length
         force = area * self.dynamic_viscosity * self.reference_velocity / self.reference_length
         kinds = [("force", "whole_force") if name.startswith("force") else ("torque", "moment") for name in columns]
+        name, unit = kinds[0] if kinds else ("force", "whole_force")
 
         def measure(snapshot: Snapshot) -> np.ndarray:
             found = self.loads(snapshot)
@@ -241,8 +242,8 @@ class AxisymmetricScene(BodyScene):
         labels = [(name.replace("_", " on ", 1), None) for name in columns]
         return TimeSeries(
             content="forces along the axis and torques around it of the fluid on the walls",
-            name=kinds[0][0],
-            unit=kinds[0][1],
+            name=name,
+            unit=unit,
             scale=force,
             columns=list(columns),
             measure=measure,

@@ -58,12 +58,24 @@ SCENES = {
     ],
     "free bodies in contact": TOUCHING,
     "single precision": ["scheme={type: wcsph}", "discretisation.precision=f32", NO_VIDEO],
+    "a pipe with open ends": [
+        *("scene=pipe", "geometry={radius: 1.0, length: 2.0}", "walls={outer: {angular_velocity: 1.0}}", "initial={}"),
+        "ends={left: {type: inlet, velocity: 1.0}, right: {type: outlet}}",
+        *("fluid.kinematic_viscosity=0.1", "discretisation.particles_across=10", NO_VIDEO),
+    ],
+    "slip between cylinders": [
+        *("scene=annulus", "geometry={inner_radius: 1.0, outer_radius: 2.0}", "initial={}"),
+        "walls={inner: {angular_velocity: 1.0, slip_length: 0.2}, outer: {slip_length: infinite}}",
+        *("fluid.kinematic_viscosity=0.1", OLDROYD_B, "discretisation.particles_across=10", NO_VIDEO),
+    ],
 }
 SLOW = [
     "oscillating",
     "single precision",
     "viscoelastic",  # all that it knows goes on from any step, below
     "scheduled wall",  # of which a run is extended, below
+    "a pipe with open ends",
+    "slip between cylinders",
 ]
 
 

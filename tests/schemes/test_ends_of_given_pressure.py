@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from finished_run import finished
 
-import tisph
 from tisph import scenes
 from tisph.config.loader import loaded
 
@@ -24,14 +24,6 @@ DRIVEN = {
 OLDROYD_B = {"type": "oldroyd_b", "relaxation_time": 0.5, "solvent_fraction": 0.5}
 
 
-def at_the_end(config):
-    with tisph.Simulation(config) as simulation:
-        while not simulation.finished:
-            simulation.step()
-        snapshot = simulation.scheme.snapshot()
-        return snapshot, simulation.scene.diagnostics(snapshot, [])
-
-
 def exact(snapshot, rheology=None):
     """Velocity of the same fluid in the periodic channel that an acceleration drives."""
     fluid = {**DRIVEN["fluid"], **({"rheology": rheology} if rheology else {})}
@@ -47,7 +39,7 @@ def exact(snapshot, rheology=None):
 def test_start_up_is_that_between_parallel_walls(rheology):
     """The bound of the issue that brought this feature; both ends have the given pressures and one flow rate."""
     fluid = {**DRIVEN["fluid"], **({"rheology": rheology} if rheology else {})}
-    snapshot, found = at_the_end({**DRIVEN, "fluid": fluid})
+    _, snapshot, found = finished({**DRIVEN, "fluid": fluid})
     error = np.hypot(snapshot.u - exact(snapshot, rheology), snapshot.v)
     assert np.sqrt(np.mean(error**2)) < 1e-4
     assert found["pressure_drop"] == pytest.approx(4.8, rel=1e-3)
@@ -60,7 +52,7 @@ def test_steady_flow_goes_on_as_it_is():
     """A parabola, at either end the higher pressure, without inertia, too: exact but for residuals and steps."""
     for changes in ({"initial": {"state": "developed"}}, {"fluid": {**DRIVEN["fluid"], "inertia": False}}):
         ends = {"left": {"type": "outlet"}, "right": {"pressure": 4.8}}
-        snapshot, _ = at_the_end({**DRIVEN, **changes, "ends": ends, "time": {"end": 0.3}})
+        _, snapshot, _ = finished({**DRIVEN, **changes, "ends": ends, "time": {"end": 0.3}})
         assert np.abs(snapshot.u + 6.0 * snapshot.y * (1.0 - snapshot.y)).max() < 1e-4
         assert np.abs(snapshot.v).max() < 1e-4
 
@@ -69,5 +61,5 @@ def test_a_cylinder_between_two_pressures_bears_what_the_walls_do_not():
     """Without inertia: pressures times the gap are the drag and the friction on both walls."""
     config = {**DRIVEN, "fluid": {**DRIVEN["fluid"], "inertia": False}, "time": {"end": 0.05}}
     config |= {"bodies": [{"type": "circle", "centre": [1.0, 0.5], "radius": 0.2}]}
-    _, found = at_the_end(config)
+    _, _, found = finished(config)
     assert found["drag"] + found["drag_bottom"] + found["drag_top"] == pytest.approx(4.8, rel=2e-2)

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from finished_run import finished
 
-import tisph
 from tisph.errors import DivergedError
 
 pytestmark = pytest.mark.taichi
@@ -32,10 +32,7 @@ def periodic(config):
 
 def carried(config):
     """Numbers of the body at the end of the run, its centre and velocities, and all numbers of the sample."""
-    with tisph.Simulation(config) as simulation:
-        while not simulation.finished:
-            simulation.step()
-        found = simulation.scene.diagnostics(simulation.scheme.snapshot(), [])
+    *_, found = finished(config)
     return np.array([found[name] for name in ("x", "y", "u", "v", "angular_velocity")]), found
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from finished_run import finished
 
-import tisph
 from tisph import scenes
 from tisph.config.loader import loaded
 
@@ -25,14 +25,6 @@ PIPE = {
 OF_STEPS = 2e-5
 """A parabola and solid rotation are exact with operators of order 4. What remains are the residuals of the linear
 systems and the errors of steps, 2e-6 of the velocity each, ten times over."""
-
-
-def finished(config, **changes):
-    with tisph.Simulation({**config, **changes}) as simulation:
-        while not simulation.finished:
-            simulation.step()
-        snapshot = simulation.scheme.snapshot()
-        return simulation.scene, snapshot, simulation.scene.diagnostics(snapshot, [])
 
 
 @pytest.mark.parametrize("viscosity", [0.05, 20.0], ids=["splitting", "together"])

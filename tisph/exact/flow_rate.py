@@ -4,14 +4,14 @@ With the mean velocity U(t), the steady profile P of mean 1, and a velocity w of
 
     u = U(t) P(y) + w(y, t),    dw/dt = G + (nu_s w' + sum of tau)' - dU/dt P,    T dtau/dt = nu_p w' - tau,
 
-where G(t) is what keeps the mean 0, ' is the derivative along y, around an axis (1/r) (r .)' of fluxes, nu_s the
+where G(t) keeps the mean 0, ' is the derivative along y, around an axis (1/r) (r .)' of fluxes, nu_s the
 viscosity of the solvent, and T and nu_p relaxation time and viscosity of each mode of an Oldroyd-B fluid. The part
-U P of the flow has stresses proportional to P', whose divergence is the same everywhere, as that of a pressure.
+U P of the flow has stresses proportional to P', whose divergence is the same everywhere, like a pressure gradient.
 
 w is sought among polynomials of ``DEGREE`` that obey the conditions (Galerkin's method). Their eigenfunctions phi_n
 turn the equations into systems of ordinary differential equations for amplitudes, which are solved exactly: by their
-eigenvalues where U is piecewise linear, and for U = Re(A e^(i w t)) in the periodic state. Errors are those of the
-polynomials: they resolve layers of a thousandth of the width.
+eigenvalues where U is piecewise linear, and for U = Re(A e^(i w t)) in the periodic state. The polynomials resolve
+layers of a thousandth of the width.
 
 Source: J. R. Womersley, J. Physiol. 127 (1955) 553-563, for Newtonian oscillating flow in a pipe.
 """

@@ -49,7 +49,7 @@ class OpenEnd(Body):
 class Inlet(OpenEnd):
     """An end with the velocity ``course`` (t) * ``profile`` (y) into the fluid, along its normal.
 
-    ``changing``: None, or what is added to it (``exact/flow_rate.py``): the profile of a flow that changes in time.
+    ``changing``: None, or a further velocity (``exact/flow_rate.py``), of flow that changes in time.
     ``swirl`` (A, B): velocity A r + B/r around the axis.
     """
 

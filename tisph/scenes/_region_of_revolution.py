@@ -215,11 +215,9 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
         velocity into the fluid at the outlet over the reference velocity.
         """
         flows = self.velocities(snapshot)
-        imbalance = (flows["inflow"] - flows["outflow"]) / (self.reference_velocity * self.inlet.area)
-        backflow = (snapshot.backflow or 0.0) / self.reference_velocity
         found = {**super().diagnostics(snapshot, series), **flows}
         infinite = {name: None for name in self._columns if name not in self._finite}
-        return {**found, **infinite, "mass_imbalance": imbalance, "backflow": backflow}
+        return {**found, **infinite, **self.balance(snapshot, flows)}
 
     def profiles(self) -> list[Profile]:
         """Return the velocities over the radius in the middle; u with the inlet's profile where it is developed."""

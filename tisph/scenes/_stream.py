@@ -5,7 +5,7 @@ the pressures of both ends.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -252,6 +252,7 @@ class OpenEnded:
     region: Region
     axisymmetric: bool
     start_time: float
+    reference_velocity: float
 
     @cached_property
     def _filled(self) -> Region:
@@ -336,6 +337,11 @@ class OpenEnded:
         drop = math.nan if self._jumps else at_ends[0] - at_ends[1]
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": drop}
 
+    def balance(self, snapshot: Snapshot, flows: Mapping[str, float]) -> dict[str, float]:
+        """Return ``mass_imbalance`` and ``backflow``, for the ``velocities`` of a snapshot, ``flows``."""
+        imbalance = (flows["inflow"] - flows["outflow"]) / (self.reference_velocity * self.inlet.area)
+        return {"mass_imbalance": imbalance, "backflow": (snapshot.backflow or 0.0) / self.reference_velocity}
+
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
         if not len(snapshot.pressure):
@@ -411,9 +417,7 @@ class Stream(OpenEnded, Cell):
             outline = body.boundary_points(0.1 * self.spacing, snapshot.t).point
             ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
             found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
-        scale = self.reference_velocity * self.inlet.shape.length
-        found["mass_imbalance"] = (flows["inflow"] - flows["outflow"]) / scale
-        found["backflow"] = (snapshot.backflow or 0.0) / self.reference_velocity
+        found |= self.balance(snapshot, flows)
         return {**found, **self._turns(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
     @property

@@ -127,7 +127,7 @@ class BodyExchange:
             before.clear(particles, body, self._change(number), self.in_fluid)
         particles.renumber()
         bodies = self.in_fluid
-        walls = type(before.walls)(bodies, problem.spacing, problem.origin)
+        walls = before.walls.of_bodies(bodies)
         place = walls.at(time)[0] + problem.origin
         known = before.by_body(on_walls)
         found = [known.get(id(body)) or before.at(place[part]) for body, part in zip(bodies, walls.parts, strict=True)]

@@ -24,8 +24,7 @@ from tisph.numerics.bicgstab import BiCGStab
 from tisph.numerics.stokes import StokesSolver, Unknowns
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.schemes.implicit.planar.parts import MOST_ITERATIONS, Boundary, Coupling, ExtraStress
-from tisph.schemes.implicit.planar.problem import Problem
-from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights, gradients
+from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeWeights, gradients
 
 ROUGH = 1.0
 """Viscous number dt nu/(gamma_0 spacing^2) up to which Jacobi suffices as a preconditioner. Between walls, where it is
@@ -67,16 +66,8 @@ class Equations:
 
     least_iterations = 1
 
-    def __init__(
-        self,
-        problem: Problem,
-        levels: TimeLevels,
-        grid: Any,
-        boundary: Boundary,
-        extra_stress: ExtraStress,
-        residuals: Sequence[float],
-    ) -> None:
-        self.residuals = residuals
+    def __init__(self, grid: Any, boundary: Boundary, extra_stress: ExtraStress, residuals: Sequence[float]) -> None:
+        problem, levels, self.residuals = boundary.problem, boundary.levels, residuals
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.coordinates, self.boundary, self.extra_stress = levels.coordinates, boundary, extra_stress
         self.spacing, components = problem.spacing, levels.components
@@ -261,16 +252,8 @@ class Splitting(Equations):
     ``for_velocity``: preconditioner of the velocities where steps are viscous.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        levels: TimeLevels,
-        grid: Any,
-        boundary: Boundary,
-        extra_stress: ExtraStress,
-        residuals: Sequence[float],
-    ) -> None:
-        super().__init__(problem, levels, grid, boundary, extra_stress, residuals)
+    def __init__(self, grid: Any, boundary: Boundary, extra_stress: ExtraStress, residuals: Sequence[float]) -> None:
+        super().__init__(grid, boundary, extra_stress, residuals)
         self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
         self.least_iterations = 2 if boundary.bounded or extra_stress.nonlinear else 1
 
@@ -327,20 +310,13 @@ class Coupled(Equations):
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        levels: TimeLevels,
-        grid: Any,
-        boundary: Boundary,
-        extra_stress: ExtraStress,
-        residuals: Sequence[float],
-        residual: float,
+        self, grid: Any, boundary: Boundary, extra_stress: ExtraStress, residuals: Sequence[float], residual: float
     ) -> None:
-        super().__init__(problem, levels, grid, boundary, extra_stress, residuals)
-        self.stokes = StokesSolver(self.operators, grid, levels.components, self.spacing)
+        super().__init__(grid, boundary, extra_stress, residuals)
+        self.stokes = StokesSolver(self.operators, grid, self.levels.components, self.spacing)
         self.residual, self.change = residual, 0.0
         self.least_iterations = 2 if extra_stress.nonlinear else 1
-        self.must_settle = extra_stress.nonlinear and not problem.carries_stress and not problem.inertia
+        self.must_settle = extra_stress.nonlinear and not boundary.problem.carries_stress and not self.has_inertia
 
     def assemble(self) -> None:
         """Set the matrices of the present operators."""

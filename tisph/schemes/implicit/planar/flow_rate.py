@@ -76,9 +76,9 @@ class FlowRateControl(Coupling):
         self.weights = np.reshape(weights, (len(weights), len(positions)))
         self.sources, self.residual = np.zeros(len(self.sections) + 1), None
         self.slab = np.searchsorted(self.along * self.sections, self.along * positions[:fluid, 0])
-        sizes = 2.0 * np.pi * (positions[:fluid, 1] + problem.origin[1]) if problem.axisymmetric else None
-        least = sizes.min() if sizes is not None else 1
-        self.area = np.maximum(np.bincount(self.slab, sizes, len(self.sections) + 1), least) * problem.spacing**2
+        sizes = problem.circumferences(positions[:fluid, 1])
+        areas = np.bincount(self.slab, sizes, len(self.sections) + 1)
+        self.area = np.maximum(areas, sizes.min()) * problem.spacing**2
 
     def place_sections(self, positions: np.ndarray, time: float) -> None:
         """Set the places ``sections`` (n,) along x, and ``nodes`` (n, m, 2) and ``lengths`` (n, m) of their integrals.
@@ -109,9 +109,7 @@ class FlowRateControl(Coupling):
             along = 0.5 * (bottom + top + (top - bottom) * rule[0]) - origin[1]
             sections.append(place)
             nodes.append(np.stack([np.full_like(along, place), along], axis=1))
-            lengths.append(0.5 * (top - bottom) * rule[1])
-            if self.problem.axisymmetric:
-                lengths[-1] *= 2.0 * np.pi * (along + origin[1])
+            lengths.append(0.5 * (top - bottom) * rule[1] * self.problem.circumferences(along))
         self.sections, self.nodes, self.lengths = np.array(sections), nodes, lengths
 
     def correct(self, equations: "Equations") -> bool:

@@ -482,16 +482,13 @@ class FreeBodyCoupling(Coupling):
         free, boundary, moves = self.bodies, self.boundary, self.bodies.moves.ravel()
         motion = boundary.walls.rigid_motion(free.index, self.time)[:, moves]
         forces = (motion.T @ diags(boundary.walls.areas(self.time).ravel())).tocsr()
-        rest = 0.0 * boundary.loads.strain(boundary.velocity)
-        stress = boundary.extra_stress.implicit_wall_stress(rest)
-        known = boundary.loads.tractions(np.zeros(len(boundary.normals)), boundary.normals, rest, stress)[0]
         inertia, load, response, arm, now = (
             each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities)
         )
         displaced = np.zeros_like(free.mass)
         displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
         none, points = np.zeros_like(now), boundary.problem.particles
-        section, load = csr_matrix((len(now), points)), load + forces @ known.ravel()
+        section, load = csr_matrix((len(now), points)), load + forces @ boundary.known_tractions().ravel()
         return Unknowns(motion, forces, none, displaced.ravel()[moves], inertia, section, load, now, arm, response)
 
     def take(self, equations: "Equations", velocities: np.ndarray) -> None:

@@ -144,14 +144,9 @@ class OpenEnds(BoundaryPart):
         return [FlowRateControl(problem, self.boundary, self)] if known else []
 
     @property
-    def carried_fields(self) -> tuple[Any, ...]:
-        """Fields that particles carry from step to step."""
-        return (self.levels.fields, *self.extra_stress.fields)
-
-    @property
     def stored_fields(self) -> tuple[Any, ...]:
         """Fields of a particle that change when it enters."""
-        return (*self.carried_fields, self.levels.position)
+        return (*self.boundary.carried_fields, self.levels.position)
 
     @ti.func
     def error_weight(self, i, weight):
@@ -371,13 +366,12 @@ class OpenEnds(BoundaryPart):
         """
         from scipy.interpolate import CubicSpline
 
-        flows, back, around = [], -math.inf, np.ones(1)
+        flows, back, heights = [], -math.inf, self.boundary.positions[:, 1]
         for outlet, part in self.outlets:
             own = self.outlet_velocity[part - self.of_outlet[0]]
             speed, width = -(own[:, :2] @ outlet.shape.normal), outlet.shape.length
             along = np.cumsum(self.walls.length[part]) - 0.5 * self.walls.length[part]
-            if self.axisymmetric:
-                around = 2.0 * np.pi * self.radii(self.problem.n_fluid + part)
+            around = self.problem.circumferences(heights[self.problem.n_fluid + part])
             curve = CubicSpline([0.0, *along, width], [0.0, *(speed * around), 0.0])  # walls beside it are at rest
             flows.append(float(curve.integrate(0.0, width)))
             back = max(back, float((-speed if flows[-1] >= 0.0 or len(self.outlets) == 1 else speed).max()))
@@ -484,7 +478,7 @@ class OpenEnds(BoundaryPart):
         if self.axisymmetric:
             sources, of_sources = np.tile(sources, 2), np.concatenate([of_sources, self.mirrored(of_sources)])
         nearest, weights = nearest_fits(cKDTree(of_sources), places, powers, around)
-        for field in self.carried_fields:
+        for field in self.boundary.carried_fields:
             values = view(field)[sources[nearest]].astype(float)
             if field is self.levels.fields:
                 values *= factors[nearest % len(factors)]
@@ -492,15 +486,11 @@ class OpenEnds(BoundaryPart):
         view(self.levels.position)[slots] = places
 
     def carried_factors(self, sources: np.ndarray, positions: np.ndarray) -> np.ndarray:
-        """Return factors (n, fields) of the time levels of ``sources`` that have moved to ``positions`` (n, 2).
-
-        As ``AxisymmetricCoordinates.carried``: r V is a velocity, and r^2 W the circulation.
-        """
+        """Return factors (n, fields) of the time levels of ``sources`` that have moved to ``positions`` (n, 2)."""
         factors = np.ones((len(sources), view(self.levels.fields).shape[1]))
-        if self.axisymmetric:
-            lowest, first = self.problem.origin[1], self.levels.first_pressure
-            ratio = (view(self.levels.position)[sources, 1] + lowest) / (positions[:, 1] + lowest)
-            factors[:, 1:first:3], factors[:, 2:first:3] = ratio[:, None], ratio[:, None] ** 2
+        lowest, first = self.problem.origin[1], self.levels.first_pressure
+        before, radius = view(self.levels.position)[sources, 1] + lowest, positions[:, 1] + lowest
+        factors[:, :first] = np.tile(self.coordinates.carried_factors(before, radius), VELOCITIES)
         return factors
 
     def entered(self, position: np.ndarray) -> np.ndarray:

@@ -125,6 +125,10 @@ class Problem(Box):
         """Whether the fluid has a polymer."""
         return self.rheology is not None and self.rheology.carries_stress
 
+    def circumferences(self, y: np.ndarray) -> np.ndarray:
+        """Return the lengths (n,) around the axis of rings at ``y`` (n,) in the box; 1 in planar flow."""
+        return 2.0 * np.pi * (y + self.origin[1]) if self.axisymmetric else np.ones_like(y)
+
     def unknowns(self, velocity: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the unknowns of the scheme for ``velocity`` (n, components) at y (n,)."""
         return velocity / _factors(y) if self.axisymmetric else velocity

@@ -118,7 +118,7 @@ class PlanarScheme(ControlledScheme):
         self.boundary, self.couplings = boundary_of(
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
-        parts = problem, self.levels, self.grid, self.boundary, self.extra_stress
+        parts = self.grid, self.boundary, self.extra_stress
         residuals = limits.residuals(self.tolerance, rounding)
         self.equations: Equations = (
             Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
@@ -472,7 +472,7 @@ class PlanarScheme(ControlledScheme):
         if self.exchange.restore(state["bodies"]):
             problem = self.problem
             assert problem.walls is not None
-            walls = type(problem.walls)(self.exchange.in_fluid, problem.spacing, problem.origin)
+            walls = problem.walls.of_bodies(self.exchange.in_fluid)
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:

@@ -68,17 +68,12 @@ class SlippingWalls(BoundaryPart):
         self.time = time
         self.velocity_there[...] = 0.0
 
-    @property
-    def carried_fields(self) -> tuple[Any, ...]:
-        """Fields that the fluid carries from step to step."""
-        return (self.boundary.levels.fields, *self.boundary.extra_stress.fields)
-
     def predict(self, weights: TimeWeights, dt: float, time: float) -> bool:
         """Carry the time levels along the walls, and extrapolate the velocities to the end of a step, at ``time``.
 
         Return True, since nothing overlaps.
         """
-        fields = *self.carried_fields, self.boundary.levels.position
+        fields = *self.boundary.carried_fields, self.boundary.levels.position
         values = [(view(field), view(field)[self.slots]) for field in fields]
         self.before = self.time, self.velocity_there, self.speeds, values
         if len(weights.offsets) == 1:  # at the start, or after a jump of the speed of a wall
@@ -89,10 +84,8 @@ class SlippingWalls(BoundaryPart):
         self.time = time
         levels = view(self.boundary.levels.fields)[self.slots, : VELOCITIES * self.components].astype(float)
         levels = levels.reshape(len(levels), VELOCITIES, self.components)
-        if self.problem.axisymmetric:
-            ratio = (view(self.boundary.levels.position)[self.slots, 1] + self.problem.origin[1]) / self.radii
-            levels[..., 1] *= ratio[:, None]
-            levels[..., 2] *= ratio[:, None] ** 2
+        before = view(self.boundary.levels.position)[self.slots, 1] + self.problem.origin[1]
+        levels *= self.boundary.coordinates.carried_factors(before, self.radii)[:, None]
         self.velocity_there = np.einsum("a,iac->ic", weights.extrapolation(VELOCITIES), levels)
         return True
 
@@ -102,12 +95,13 @@ class SlippingWalls(BoundaryPart):
         Fluid at the place s before the step is at s + sum_q w_q speed_q(s) after it.
         """
         self.speeds, heights, first = self.speeds.copy(), self.walls.at(self.time)[0][self.chosen, 1], 0
+        fields = self.boundary.carried_fields
         for number, part in enumerate(self.walls.parts):
             if not self.walls.bodies[number].slip_length:
                 continue
             own = slice(first, first + part.stop - part.start)  # among the points that slip
             first, slots = own.stop, self.slots[own]
-            carried = [view(field)[slots].reshape(len(slots), -1).T.astype(float) for field in self.carried_fields]
+            carried = [view(field)[slots].reshape(len(slots), -1).T.astype(float) for field in fields]
             rows = [weights @ self.speeds[:, own], heights[own]]
             place, curve = self.walls.curve(number, np.vstack([*rows, self.speeds[:, own], *carried]), self.time)
             origin = place
@@ -116,7 +110,7 @@ class SlippingWalls(BoundaryPart):
             _, height, *found = curve(origin)
             self.speeds[:, own], found = found[:VELOCITIES], found[VELOCITIES:]
             view(self.boundary.levels.position)[slots, 1] = height
-            for field, values in zip(self.carried_fields, carried, strict=True):
+            for field, values in zip(fields, carried, strict=True):
                 view(field)[slots] = np.reshape(np.transpose(found[: len(values)]), view(field)[slots].shape)
                 found = found[len(values) :]
 
@@ -218,10 +212,6 @@ class SlipCoupling(Coupling):
         scale = 1.0 / (problem.kinematic_viscosity * total)
         motion = csr_matrix((per_speed.ravel(), (rows, columns)), shape)
         forces = csr_matrix(((part.tangents * scale[:, None]).ravel(), (columns, rows)), shape[::-1])
-
-        rest = 0.0 * boundary.loads.strain(boundary.velocity)
-        stress = boundary.extra_stress.implicit_wall_stress(rest)
-        known = boundary.loads.tractions(np.zeros(len(boundary.normals)), boundary.normals, rest, stress)[0]
         viscosity = problem.solvent_viscosity + boundary.extra_stress.viscosity
         local = boundary.extra_stress.local_viscosities(viscosity, problem.particles)[part.slots]
         slope = view(boundary.operators.diagonal)[part.slots] / view(boundary.weight)[part.slots]
@@ -235,7 +225,7 @@ class SlipCoupling(Coupling):
             none,
             np.tile(inertia, tangents),
             csr_matrix((tangents * count, problem.particles)),
-            forces @ known.ravel(),
+            forces @ boundary.known_tractions().ravel(),
             part.slip().ravel(),
             np.full(tangents * count, 1.0 / np.sqrt(problem.n_fluid)),
             np.tile(response, tangents),

@@ -156,6 +156,10 @@ class PlanarCoordinates:
         """Return a position as it is: there is no axis."""
         return position
 
+    def carried_factors(self, before: np.ndarray, radius: np.ndarray) -> np.ndarray:
+        """Return the factors (n, components) of unknowns that are carried from radii ``before`` (n,) to ``radius``."""
+        return np.ones((len(radius), self.components))
+
     @ti.func
     def carried(self, velocity, before, i):
         """Return the velocity that a particle has carried to its place."""
@@ -260,6 +264,11 @@ class AxisymmetricCoordinates:
         """Return the mirror image of a position that has crossed the axis."""
         lowest = self.operators.lowest_radius[None]
         return ti.Vector([position.x, ti.abs(position.y + lowest) - lowest])
+
+    def carried_factors(self, before: np.ndarray, radius: np.ndarray) -> np.ndarray:
+        """Return the factors (n, components) of unknowns that are carried from radii ``before`` (n,) to ``radius``."""
+        ratio = before / radius
+        return np.stack([np.ones_like(ratio), ratio, ratio**2], axis=1)
 
     @ti.func
     def carried(self, velocity, before, i):

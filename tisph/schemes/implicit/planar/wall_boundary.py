@@ -292,6 +292,11 @@ class WallBoundary(Boundary):
         return view(self.points.position)[: self.problem.particles].astype(float)
 
     @property
+    def carried_fields(self) -> tuple[Any, ...]:
+        """Fields that particles, and the fluid at the points, carry from step to step."""
+        return (self.levels.fields, *self.extra_stress.fields)
+
+    @property
     def newest_velocities(self) -> np.ndarray:
         """Newest velocities (points, components) of particles and points, in place, without the flow in corners."""
         return active(self.levels.fields)[: self.problem.particles, : self.levels.components]
@@ -437,6 +442,12 @@ class WallBoundary(Boundary):
         self.measure_normal_curls()
         self.store_normal_curls()
         self.measure_loads(time)
+
+    def known_tractions(self) -> np.ndarray:
+        """Return the tractions (count, components) at the points in a step in which fluid and walls are at rest."""
+        rest = 0.0 * self.loads.strain(self.velocity)
+        stress = self.extra_stress.implicit_wall_stress(rest)
+        return self.loads.tractions(np.zeros(len(self.normals)), self.normals, rest, stress)[0]
 
     def measure_loads(self, time: float) -> None:
         """Store the loads of the newest fields, at ``time``."""

@@ -109,6 +109,10 @@ class WallPoints:
                 if not np.abs(normal) @ fastest:
                     self.planes[number] = normal, normal @ (boundary.point[0] - self.origin)
 
+    def of_bodies(self, bodies: Sequence[Any]) -> Any:
+        """Return the points on the walls of other ``bodies`` in the same box."""
+        return type(self)(bodies, self.spacing, self.origin, self.periods.tolist())
+
     def _outline(self, body: Any) -> Boundary:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
         return body.shape.boundary_points(self.spacing)

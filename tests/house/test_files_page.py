@@ -26,6 +26,11 @@ RUNS = {
     "spin_up": {"fluid.rheology": {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.5}},
     "taylor_vortices": {},
     "falling_ball": {},
+    "couette_slip": {},
+    "pressure_driven_channel": {},
+    "sphere_in_stream": {"discretisation.particles_across": 24},
+    "wavy_pipe": {},
+    "carried_circle": {"discretisation.particles_across": 24},
 }
 
 
@@ -41,6 +46,10 @@ def results(request, tmp_path_factory, kept_program):
     folder = tmp_path_factory.mktemp(request.param) / "run"
     changes = {"discretisation.particles_across": 18, **SHORT, **RUNS[request.param]}
     return run(ROOT / "configs" / f"{request.param}.yaml", folder, **changes)
+
+
+def test_files_of_a_folder_are_on_the_page():
+    assert missing(path.name for name, path in vars(tisph.folder.Folder(".")).items() if name != "root") == set()
 
 
 def test_keys_of_the_summary_are_on_the_page(results):

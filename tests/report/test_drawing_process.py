@@ -2,11 +2,13 @@
 
 import io
 import os
+import pickle
 import signal
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import imageio_ffmpeg
 import numpy as np
@@ -14,6 +16,8 @@ import pytest
 from PIL import Image
 from report_scene import END, VIDEO, make_channel, make_snapshot
 
+from tisph import scenes
+from tisph.config import load
 from tisph.errors import TisphError
 from tisph.report import drawing_process
 from tisph.report.drawing_process import DrawingProcess, RemoteMovie, described
@@ -46,6 +50,13 @@ def test_a_picture_is_the_one_that_is_drawn_here(drawing, channel):
     image = drawing.request("still", *described(channel, VIDEO), "test", END, snapshot).result()
     here = Movie("unused.mp4", channel, VIDEO, "test", END).frame(snapshot)
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(image))), here)
+
+
+def test_scenes_of_all_configs_can_be_sent_to_the_process():
+    """Also with references and profiles that keep values which they have computed."""
+    for config in sorted((Path(__file__).parents[2] / "configs").glob("*.yaml")):
+        settings = load(config)
+        assert pickle.dumps(described(scenes.of(settings), settings.output.video or VIDEO)), config.stem
 
 
 def test_a_failed_movie_is_reported_once_when_it_is_closed(drawing, channel, tmp_path):

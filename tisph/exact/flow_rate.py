@@ -17,7 +17,6 @@ Source: J. R. Womersley, J. Physiol. 127 (1955) 553-563, for Newtonian oscillati
 """
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,9 @@ from numpy.polynomial import legendre
 
 DEGREE = 40
 """Degree of the polynomials, in the square of the radius where the fluid reaches the axis."""
+
+TIMES = 8
+"""Latest times whose amplitudes are kept."""
 
 
 class ChangingProfile:
@@ -69,7 +71,7 @@ class ChangingProfile:
         self.modes_in_time = in_time, modes_of, np.linalg.inv(modes_of)
         self.wave = getattr(course, "wave", None)
         self.pieces = [] if self.wave else self._pieces(course.breakpoints)
-        self.state = lru_cache(maxsize=8)(self._state)
+        self.kept: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
     def _polynomials(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return Legendre polynomials (n, degrees) at places ``y`` (n,), and their derivatives."""
@@ -94,8 +96,13 @@ class ChangingProfile:
         later = np.exp(rates * elapsed) * first + np.expm1(rates * elapsed) / rates * forcing
         return np.einsum("nij,nj->ni", vectors, later).real
 
-    def _state(self, time: float) -> tuple[np.ndarray, np.ndarray]:
+    def state(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the amplitudes (functions,) of the functions at ``time``, and their time derivatives."""
+        if time not in self.kept:
+            self.kept = {**dict(list(self.kept.items())[-TIMES:]), time: self._state_at(time)}
+        return self.kept[time]
+
+    def _state_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         if self.wave:
             turning = 1j * self.wave.angular_frequency
             amplitude = (self.wave.cosine - 1j * self.wave.sine) * np.exp(turning * time)

@@ -97,7 +97,7 @@ def test_drag_of_a_sphere_on_the_axis_of_a_pipe(radius, across):
 
     Their approximation is for a/R = 0.25. For 0.5 the reciprocal theorem gives the drag D from the pressure drop: D^2 =
     6 pi mu a (K_c - K_p) pi R^2 drop, with K_c = 5.947377 and K_p = 2.334005 of spheres that move in a tube 4 R long
-    without a flow rate, and without a pressure drop (spectral and finite elements; docs/evidence/verification.md).
+    without a flow rate, and without a pressure drop (spectral and finite elements).
     """
     body = {"type": "circle", "centre": [2.0, 0.0], "radius": radius}
     found = steady({**SPHERE, "bodies": [body]}, across, 0.02)

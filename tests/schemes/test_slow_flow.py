@@ -74,7 +74,7 @@ def test_without_inertia_the_flow_follows_a_wall_that_jumps():
 
 
 def test_little_inertia_leads_to_the_same_flow():
-    """At Re = 0.01 inertia changes velocities by less than 1.4e-4 (docs/evidence/verification.md)."""
+    """At Re = 0.01 inertia changes velocities by less than 1.4e-4."""
     config = {**changed(BEARING, inertia=True), "time": {"end": 5.0}}
     with tisph.Simulation(config) as simulation:
         simulation.run_until(5.0)

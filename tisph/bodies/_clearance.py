@@ -18,8 +18,8 @@ ROUNDING = 1e-5
 LEAST_RADIUS, LEAST_HOLLOW, LEAST_WIDTH = 2.0, 1.0, 5.0
 """Least radius of convex corners and bends, and of concave ones, and least width of bodies, in particle spacings.
 
-Runs with circles of 2 spacings fail at the first step, with corners of 1 or sharp concave ones soon after it
-(docs/evidence/verification.md). The support of wall points is 4.5 spacings, and reaches through a thinner body.
+Runs with circles of 2 spacings fail at the first step, with corners of 1 or sharp concave ones soon after it.
+The support of wall points is 4.5 spacings, and reaches through a thinner body.
 """
 
 BULGES = {

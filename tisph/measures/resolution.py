@@ -102,7 +102,7 @@ Errors of drag and flow rate are then at most 1.5 %; with 2 to 2.5 spacings 0.1 
 LARGEST_DIVERGENCE = 0.01
 """Largest divergence of the velocities in a resolved sample, over their gradient, both as root mean squares.
 
-The error of drag and flow rate around bodies is up to 2.6 times that (docs/evidence/verification.md).
+The error of drag and flow rate around bodies is up to 2.6 times that.
 """
 
 LARGEST_DRIFT = 0.01
@@ -113,7 +113,7 @@ STEEPEST = 2.0
 """Largest change of the logarithm of a conformation tensor within a spacing in a resolved sample.
 
 The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6, the error of flow between cylinders
-1e-3 with 0.5 (docs/evidence/verification.md).
+1e-3 with 0.5.
 """
 
 LARGEST_BACKFLOW = 0.01
@@ -133,7 +133,7 @@ LARGEST_SCATTER = 0.01
 """Largest scatter of the force on a body, or of the pressure at an inlet, from step to step in a resolved sample, over
 that force or pressure.
 
-The error of single steps is three times the scatter (docs/evidence/stability.md).
+The error of single steps is three times the scatter (docs/how-to/accuracy.md).
 """
 
 

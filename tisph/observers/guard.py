@@ -23,7 +23,7 @@ SETTLING = 2.0
 """Time from which the transverse velocity is checked, over spacing^2 / nu, the time of diffusion over a spacing.
 
 Before, the layer at a wall that has started is thinner than a spacing. Particles that shear there may exceed the limit
-and calm down again: by 1.4 such times in every run of the stability matrix that did (docs/evidence/stability.md).
+and calm down again: by 1.4 such times in every run of the stability matrix that did.
 """
 
 

@@ -61,12 +61,12 @@ TESTS = {
         "simulation/test_run",
     ],
     "studies/": ["studies/test_*"],
-    "measures/viscometers": [
+    "rheometry/viscometers": [
         "measures/test_rheometry*",
         "measures/test_viscometers",
         "schemes/test_scheduled_cylinders",
     ],
-    "measures/rheometry": ["measures/test_rheometry*", "schemes/test_scheduled_*"],
+    "rheometry/rheometers": ["measures/test_rheometry*", "schemes/test_scheduled_*"],
     "measures/channel": ["measures/test_metrics", "measures/test_channel"],
     "numerics": [
         "numerics/test_least_squares",

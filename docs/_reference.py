@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 from tisph import registry
-from tisph.config import checks
+from tisph.config import schema
 from tisph.config.reference import FAMILIES, MEANINGS, code, member_keys, rows, scene_keys, summary
 from tisph.studies import sweep
 
@@ -71,7 +71,7 @@ def colours(scene, law, bodies=(), **given):
     """Return values of ``output.video.color_by`` for a scene and a fluid law; ``given``: other keys of its config."""
     fluid = SimpleNamespace(rheology=registry.load("rheology", law).Parameters.model_construct())
     given |= {"bodies": bodies} if "bodies" in registry.load("scenes", scene).Config.model_fields else {}
-    return checks.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
+    return schema.colours(registry.load("scenes", scene).Config.model_construct(fluid=fluid, **given))
 
 
 def colour_text(words, by_law):

@@ -204,5 +204,5 @@ def test_unreadable_path(path):
 
 def test_more_memory_than_the_machine_has(message, monkeypatch):
     # 5000 particles have fields for 10 000
-    monkeypatch.setattr("tisph.config.checks.physical_bytes", lambda: 1_000_000)
+    monkeypatch.setattr("tisph.config.schema.physical_bytes", lambda: 1_000_000)
     assert "would need about 25.6 MB of memory; this machine has 1 MB" in message(GOOD)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tisph import registry
 from tisph.config import Config, load
-from tisph.config.checks import DIVISION_TOLERANCE
+from tisph.config.schema import DIVISION_TOLERANCE
 from tisph.errors import ConfigError
 from tisph.scenes.channel import Channel
 

@@ -21,7 +21,7 @@ from pydantic import ValidationError
 
 import tisph
 from tisph import registry, scenes
-from tisph.config import checks, reference
+from tisph.config import reference, schema
 from tisph.config.base import Model
 from tisph.config.fields import Member
 from tisph.config.schema import model_of
@@ -187,7 +187,7 @@ def candidates(place, kinds, value, settings):
     """Return a few other values of a key; ``settings``: the config."""
     key = dotted(place)
     if key == "output.video.color_by":
-        return checks.colours(settings)[::-1]
+        return schema.colours(settings)[::-1]
     if key == "output.video.limits":
         return [[0.0, 0.3]]
     if key == "bodies.shares":

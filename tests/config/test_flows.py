@@ -10,7 +10,7 @@ import pytest
 
 from tisph import registry
 from tisph.config import load
-from tisph.config.checks import REALS, estimated_bytes
+from tisph.config.schema import REALS, estimated_bytes
 from tisph.errors import ConfigError
 from tisph.schemes.implicit.planar.problem import problem_of
 

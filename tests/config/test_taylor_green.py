@@ -11,7 +11,7 @@ from tisph.errors import ConfigError
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     """Return a function that loads the good config with overrides, as if there were a scheme for it."""
-    monkeypatch.setattr("tisph.config.checks._scheme", lambda config: iter(()))
+    monkeypatch.setattr("tisph.config.schema._scheme", lambda config: iter(()))
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     return lambda *overrides: load(path, overrides)
@@ -46,7 +46,7 @@ def test_the_resolved_config_is_equal_and_has_no_sections_of_a_channel(case, tmp
 
 def test_a_scheme_that_needs_walls_names_those_that_do_not(tmp_path, monkeypatch):
     boxes = {"wcsph": [(True, False)], "implicit": [(True, True)], "auto": [(True, True)]}
-    monkeypatch.setattr("tisph.config.checks._boxes", boxes.get)
+    monkeypatch.setattr("tisph.config.schema._boxes", boxes.get)
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     with pytest.raises(

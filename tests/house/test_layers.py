@@ -22,6 +22,7 @@ LEVELS = [
     ["bodies"],
     ["suspensions"],
     ["scenes"],
+    ["rheometry"],
     ["report"],
     ["runtime"],
     ["numerics", "rheology"],

@@ -14,7 +14,7 @@ from shell import pasted
 
 import tisph
 from tisph import cli, config, registry
-from tisph.config import checks, reference
+from tisph.config import reference, schema
 
 ROOT = Path(tisph.__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -167,7 +167,7 @@ def test_colours_are_those_that_configs_may_have():
     assert {scene for scene, *_ in seen} == set(registry.names("scenes"))
     for (scene, law, *_), (one, bodies) in seen.items():
         given = {"coordinates": one.coordinates} if scene == "region" else {}
-        assert page_of_keys.colours(scene, law, bodies, **given) == checks.colours(one), (scene, law)
+        assert page_of_keys.colours(scene, law, bodies, **given) == schema.colours(one), (scene, law)
 
 
 def test_every_command_and_option_has_a_line():

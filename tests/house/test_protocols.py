@@ -11,6 +11,7 @@ import pytest
 from tisph import registry, scenes
 from tisph.config import load, schema
 from tisph.config.base import Model
+from tisph.measures.flow import FlowInBox
 from tisph.scenes import _scene
 from tisph.schemes import _protocol
 
@@ -65,6 +66,7 @@ def arguments(function):
 
 
 PROTOCOLS = [
+    FlowInBox,
     _scene.Scene,
     _protocol.Scheme,
     _protocol.SchemeEstimates,
@@ -92,7 +94,7 @@ def test_scenes_have_what_runs_ask_of_them(name):
     assert isinstance(scene, _scene.Scene)
     left_out = {"columns", "rows"} if scene.bodies else set()
     left_out |= set() if scene.fields else {"exact"}
-    for member in public(_scene.Scene) - left_out:
+    for member in (public(_scene.Scene) | public(FlowInBox)) - left_out:
         getattr(scene, member)  # a property that raises NotImplementedError is missing
         given, asked = getattr(type(scene), member, None), getattr(_scene.Scene, member, None)
         if inspect.isfunction(asked):

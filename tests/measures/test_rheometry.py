@@ -24,8 +24,9 @@ from tisph.exact.linear_viscoelasticity import (
 from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
-from tisph.measures import rheometry, viscometers
-from tisph.measures.rheometry import (
+from tisph.report import plots as report
+from tisph.rheometry import rheometers, viscometers
+from tisph.rheometry.rheometers import (
     _amplitudes,
     _creep,
     _flow_curve,
@@ -40,8 +41,7 @@ from tisph.measures.rheometry import (
     read_schedule,
     together,
 )
-from tisph.measures.viscometers import Reading
-from tisph.report import plots as report
+from tisph.rheometry.viscometers import Reading
 
 
 @pytest.fixture(autouse=True)
@@ -49,10 +49,10 @@ def known_numbers(monkeypatch):
     """Let every reading of this file have no number but the ``NUMBERS`` that a sweep can collect."""
 
     def checked(title, lines, numbers, curves):
-        assert set(numbers) <= rheometry.NUMBERS
+        assert set(numbers) <= rheometers.NUMBERS
         return Reading(title, lines, numbers, curves)
 
-    for module in (rheometry, viscometers):
+    for module in (rheometers, viscometers):
         monkeypatch.setattr(module, "Reading", checked)
 
 
@@ -419,7 +419,7 @@ def test_a_flow_curve_of_a_viscoelastic_fluid_shows_its_normal_stress():
 def test_the_law_alone_has_the_wall_motion_in_the_whole_gap():
     member = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=2.0, solvent_fraction=0.1)
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=member))
-    channel = SimpleNamespace(gap=0.1, density=1.0, solvent_viscosity=0.1, dynamic_viscosity=1.0)
+    channel = SimpleNamespace(gap=0.1, flow=SimpleNamespace(density=1.0, solvent_viscosity=0.1, dynamic_viscosity=1.0))
     wall = Schedule((0.0, 0.2, 0.2), (0.3, 0.3, 0.0))
     stress, _ = uniform().response(rates(wall, 0.1), TIMES)
     reading = read_schedule(
@@ -446,7 +446,7 @@ def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities
     law = SimpleNamespace(viscosity=lambda square: 2.0)
     rheology = SimpleNamespace(carries_stress=False, law=lambda *viscosity_and_density: law)
     config = SimpleNamespace(fluid=SimpleNamespace(rheology=rheology))
-    channel = SimpleNamespace(gap=1.0, kinematic_viscosity=2.0, density=1.0)
+    channel = SimpleNamespace(gap=1.0, flow=SimpleNamespace(kinematic_viscosity=2.0, density=1.0))
     table = {"t": TIMES, "wall_shear": TIMES, "wall_shear_exact": TIMES}
     assert read_schedule(config, channel, SCHEDULED_LIQUID, Schedule(times, velocities), table).title == title
 

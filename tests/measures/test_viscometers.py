@@ -12,13 +12,14 @@ from tisph import cli, scenes
 from tisph.config import load
 from tisph.config.loader import loaded
 from tisph.errors import ConfigError
-from tisph.measures.rheometry import read
-from tisph.measures.viscometers import batch_means, rabinowitsch, read_viscometer, wall_factor
 from tisph.report import plots as report
+from tisph.rheometry.rheometers import read
+from tisph.rheometry.viscometers import batch_means, rabinowitsch, read_viscometer
 from tisph.scenes import of
 from tisph.scenes._cell_flow import STRESS_BY_BODIES as BODIES
 from tisph.scenes._cell_flow import STRESS_BY_CONTACTS as CONTACTS
 from tisph.scenes._cell_flow import STRESS_ON_WALLS as WALLS
+from tisph.scenes.sphere_in_tube import wall_factor
 from tisph.schemes.implicit.planar.free_bodies import Contact
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies

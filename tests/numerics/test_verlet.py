@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rates import slots_in_use
 
-from tisph.config import checks
+from tisph.config import schema
 from tisph.runtime import view
 from tisph.schemes.wcsph.kernels import SKIN
 from tisph.schemes.wcsph.verlet import VerletLists
@@ -120,4 +120,4 @@ def test_a_row_names_each_neighbour_once_and_ends_with_its_own_particle(make):
 
 def test_the_config_leaves_room_for_the_skin():
     # the checks of a config, which know no Taichi, have a number of their own for the least length
-    assert checks.SKIN >= SKIN
+    assert schema.SKIN >= SKIN

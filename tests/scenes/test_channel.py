@@ -11,7 +11,7 @@ from tisph import registry
 from tisph.config import load
 from tisph.exact import couette
 from tisph.geometry.motion import WallMotion
-from tisph.scenes._scene import PolymerParameters
+from tisph.measures.flow import PolymerParameters
 from tisph.scenes.channel import Channel
 
 WATER = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tisph import config, scenes
-from tisph.config.checks import colours
+from tisph.config.schema import colours
 from tisph.errors import ConfigError
 from tisph.report.layout import arrange
 from tisph.report.movie import FullCut

@@ -27,7 +27,7 @@ time: {end: 4.0}
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     """Return a function that loads the good config with overrides, as if there were a scheme for it."""
-    monkeypatch.setattr("tisph.config.checks._scheme", lambda config: iter(()))
+    monkeypatch.setattr("tisph.config.schema._scheme", lambda config: iter(()))
     path = tmp_path / "case.yaml"
     path.write_text(GOOD)
     return lambda *overrides: load(path, overrides)

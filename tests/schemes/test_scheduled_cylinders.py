@@ -11,7 +11,7 @@ from tisph.errors import ConfigError
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
-from tisph.measures.rheometry import read
+from tisph.rheometry.rheometers import read
 from tisph.schemes._forecast import estimates
 from tisph.schemes.implicit.planar.scheme import PlanarScheme
 from tisph.simulation import checkpoint

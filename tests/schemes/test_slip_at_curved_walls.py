@@ -13,7 +13,7 @@ from tisph import registry, runtime, scenes, schemes
 from tisph.config.schema import model_of
 from tisph.errors import ConfigError
 from tisph.measures.fits import section_mean
-from tisph.measures.rheometry import read
+from tisph.rheometry.rheometers import read
 from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 

@@ -84,7 +84,7 @@ def settings(tmp_path, monkeypatch):
     load = registry.load
     scheme = SimpleNamespace(build=Carried, estimates=estimates, Parameters=load("schemes", "wcsph").Parameters)
     monkeypatch.setattr(registry, "load", lambda *name: scheme if name == ("schemes", "wcsph") else load(*name))
-    monkeypatch.setattr("tisph.config.checks._boxes", lambda scheme: [(True, True)])
+    monkeypatch.setattr("tisph.config.schema._boxes", lambda scheme: [(True, True)])
     path = tmp_path / "case.yaml"
     path.write_text(CASE)
     return config.load(path)

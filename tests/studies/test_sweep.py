@@ -20,7 +20,7 @@ from sweep_worker import summary
 
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.measures.viscometers import Reading
+from tisph.rheometry.viscometers import Reading
 from tisph.studies import processes, sweep
 from tisph.studies.store import fingerprint
 from tisph.studies.sweep import run

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.special import lambertw
 
 from tisph import registry
-from tisph.scenes._scene import PolymerParameters
+from tisph.measures.flow import PolymerParameters
 
 VISCOSITY, TIME = 0.7, 1.5
 KINDS = {

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tisph.config.schema import Video
+from tisph.config.sections import Video
 from tisph.geometry.motion import WallMotion
 from tisph.report.movie import Movie, _Ranges
 from tisph.report.quantities import quantity

@@ -3,7 +3,7 @@
 A quantity that the data do not have is NaN in the snapshot, so that no number is computed from it.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ import numpy as np
 from tisph.errors import ConfigError
 from tisph.measures.fits import NEIGHBOURS, periodic_tree
 from tisph.measures.metrics import root_mean_square
+from tisph.scenes._channel import Channel
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Bodies, Snapshot
 
 Axes = tuple[str, str]
@@ -53,7 +55,7 @@ class Aligned:
     data were aligned, in words.
     """
 
-    scene: Any
+    scene: Scene
     snapshot: Snapshot
     points: int
     notes: tuple[str, ...] = ()
@@ -73,14 +75,14 @@ def orientation(text: str) -> Axes:
 
 
 def align(
-    columns: Columns, scene: Any, t: float, *, axes: Axes | None = None, origin: tuple[float, float] | None = None
+    columns: Columns, scene: Scene, t: float, *, axes: Axes | None = None, origin: tuple[float, float] | None = None
 ) -> Aligned:
     """Return ``Aligned`` of data at time ``t``; ``columns``: arrays by quantity, in the units of the config.
 
     ``axes`` is one of ``ORIENTATIONS``, ``origin`` the place in the data of the point (0, 0) of the scene: both are
     found between plane walls where they are not given. ConfigError where the data do not fit.
     """
-    if not scene.parallel:
+    if not isinstance(scene, Channel):
         columns = _reoriented(_cartesian(columns, scene), axes or ORIENTATIONS[0], origin or (0.0, 0.0))
         return _aligned(*_completed(columns, scene, t), scene, t)
     if missing := [name for name in "yu" if name not in columns]:
@@ -88,7 +90,7 @@ def align(
     return _between_walls(columns, scene, t, axes, origin)
 
 
-def _cartesian(columns: Columns, scene: Any) -> Columns:
+def _cartesian(columns: Columns, scene: Scene) -> Columns:
     """Return columns along the axes of the scene, also from data in r, u_r, u_theta.
 
     The flow does not depend on the angle between cylinders, nor on the place along a pipe: if missing, it is invented.
@@ -97,7 +99,7 @@ def _cartesian(columns: Columns, scene: Any) -> Columns:
         names = {"r": "y", "u_r": "v", "u_theta": "w"}
         columns = {new: columns[old] for old, new in names.items() if old in columns} | columns
         given = "x" in columns or "y" not in columns
-        return columns if given else columns | {"x": scene.origin[0] + _made_up(columns["y"], scene.length)}
+        return columns if given else columns | {"x": scene.origin[0] + _made_up(columns["y"], scene.extent[0])}
     placed = {"x", "y"} <= columns.keys()
     if "u_theta" not in columns or not (placed or "r" in columns) or not hasattr(scene, "centre"):
         return columns
@@ -120,7 +122,7 @@ def _made_up(heights: np.ndarray, size: float) -> np.ndarray:
     return rank * GOLDEN % 1.0 * size
 
 
-def _completed(columns: Columns, scene: Any, t: float) -> tuple[Columns, tuple[str, ...]]:
+def _completed(columns: Columns, scene: Scene, t: float) -> tuple[Columns, tuple[str, ...]]:
     """Return columns with 0 for missing velocities that are 0 in the reference, and a note about them."""
     components = [name for name in "uvw" if name in scene.fields]
     missing = [name for name in ("x", "y", *components) if name not in columns]
@@ -135,7 +137,7 @@ def _completed(columns: Columns, scene: Any, t: float) -> tuple[Columns, tuple[s
 
 
 def _between_walls(
-    columns: Columns, scene: Any, t: float, axes: Axes | None, origin: tuple[float, float] | None
+    columns: Columns, scene: Channel, t: float, axes: Axes | None, origin: tuple[float, float] | None
 ) -> Aligned:
     """Return the data in the given orientation if they fit; else, or if its error is far smaller, in the best one."""
     choices = [axes] if axes else [pair for pair in ORIENTATIONS if _has(columns, pair)]
@@ -157,7 +159,9 @@ def _has(columns: Columns, axes: Axes) -> bool:
     return axes[1][-1] in columns and speed in columns and ("x" in columns or axes[0] == "x")
 
 
-def _tried(columns: Columns, scene: Any, t: float, axes: Axes, origin: tuple[float, float] | None) -> Aligned | None:
+def _tried(
+    columns: Columns, scene: Channel, t: float, axes: Axes, origin: tuple[float, float] | None
+) -> Aligned | None:
     """Return ``Aligned`` with these axes, None if the data do not fit between the walls."""
     spacing = _spacing(columns, scene)
     reoriented = _reoriented(columns, axes, origin or (0.0, 0.0))
@@ -197,7 +201,7 @@ def _error(aligned: Aligned) -> float:
     return root_mean_square((max(np.sum(u * exact) / size, 0.0) if size else 0.0) * u - exact)
 
 
-def _spacing(columns: Columns, scene: Any) -> float:
+def _spacing(columns: Columns, scene: Scene) -> float:
     """Return the spacing of the points: of a lattice of as many points with the same extent, or along a profile."""
     count = len(columns["y"])
     if _is_profile(columns):
@@ -206,7 +210,7 @@ def _spacing(columns: Columns, scene: Any) -> float:
     if not scene.parallel:
         return scene.spacing * np.sqrt(scene.particles / count)
     if "x" not in columns:
-        return np.sqrt(scene.length * scene.gap / count)
+        return np.sqrt(scene.extent[0] * scene.extent[1] / count)
     width, height = np.ptp(columns["x"]), np.ptp(columns["y"])
     both, more = width + height, count - 1
     return float(both + np.sqrt(both**2 + 4 * more * width * height)) / (2 * more)
@@ -226,9 +230,9 @@ def _even(heights: np.ndarray) -> bool:
     return bool(steps.min(initial=np.inf) > EVEN * steps.mean()) if len(steps) else True
 
 
-def _aligned(columns: Columns, notes: tuple[str, ...], scene: Any, t: float) -> Aligned:
+def _aligned(columns: Columns, notes: tuple[str, ...], scene: Scene, t: float) -> Aligned:
     spacing, points = _spacing(columns, scene), len(columns["y"])
-    if scene.parallel:
+    if isinstance(scene, Channel):
         columns, scene = _in_channel(columns, scene, spacing)
     else:
         _check_inside(columns, scene, t)
@@ -244,13 +248,13 @@ def _aligned(columns: Columns, notes: tuple[str, ...], scene: Any, t: float) -> 
     known: dict[str, Any] = {
         name: columns.get(name, nothing) for name in {"u", "v", "density", "pressure", *scene.fields}
     }
-    exact = {name: scene.exact(name, *places, t) for name in scene.fields}
+    exact = {name: scene.exact(name, places[0], places[1], t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
     snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, reference=exact, bodies=bodies)
     return Aligned(scene, snapshot, points, notes)
 
 
-def _check_inside(columns: Columns, scene: Any, t: float) -> None:
+def _check_inside(columns: Columns, scene: Scene, t: float) -> None:
     """Raise ConfigError where points lie outside the walls, or below the axis, by more than a spacing."""
     if not scene.bodies:
         return
@@ -275,7 +279,7 @@ def errors_alone(aligned: Aligned) -> str | None:
     return None if fills else f"{count} points that do not fill the region evenly, {reason}"
 
 
-def _in_channel(columns: Columns, scene: Any, spacing: float) -> tuple[Columns, Any]:
+def _in_channel(columns: Columns, scene: Channel, spacing: float) -> tuple[Columns, Channel]:
     """Return columns and scene with the length of the data; the flow does not depend on x, which may be invented."""
     rows = max(round(scene.gap / spacing), 1)
     spacing = scene.gap / rows
@@ -292,8 +296,7 @@ def _in_channel(columns: Columns, scene: Any, spacing: float) -> tuple[Columns, 
     return columns, replace(scene, length=length, spacing=spacing, rows=rows, columns=round(length / spacing))
 
 
-def _with_spacing(scene: Any, spacing: float) -> Any:
+def _with_spacing(scene: Scene, spacing: float) -> Scene:
     """Return the scene with another spacing, and as many rows and columns as fit."""
-    counts = dict(zip(("columns", "rows"), (round(size / spacing) for size in scene.extent), strict=True))
-    names = {each.name for each in fields(scene)}
-    return replace(scene, spacing=spacing, **{name: number for name, number in counts.items() if name in names})
+    columns, rows = (round(size / spacing) for size in scene.extent)
+    return replace(scene, spacing=spacing, columns=columns, rows=rows)

@@ -16,6 +16,8 @@ from tisph.assessment.alignment import Aligned
 from tisph.assessment.columns import SIZES
 from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import root_mean_square, velocities
+from tisph.scenes._channel import Channel
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 Flow = Callable[..., np.ndarray]
@@ -51,29 +53,31 @@ class Fault:
     choices: tuple[float, ...] = ()
 
 
-def faults(scene: Any, times: Sequence[float]) -> list[Fault]:
+def faults(scene: Scene, times: Sequence[float]) -> list[Fault]:
     """Return all faults that apply to a ``scene`` at ``times``; a factor of the velocities comes first."""
     found = [*_factors(scene.units), *_origin(scene)]
-    if scene.parallel and not scene.superposes:
+    if isinstance(scene, Channel) and not scene.superposes:
         return found
     found += [_time(scene, times), *_viscosity(scene)]
-    if scene.parallel:
+    if isinstance(scene, Channel):
         found += [*_drive(scene), *_displaced_walls(scene), *_slip(scene), *_start(scene, times)]
     return found
 
 
-def exact(scene: Any) -> Flow:
+def exact(scene: Scene) -> Flow:
     """Return the exact velocities at one time: a series between walls of constant velocities, else ``scene.exact``.
 
     The series costs far less than ``scene.exact``.
     """
-    walls = (scene.bottom, scene.top) if scene.parallel and scene.superposes else ()
-    if not walls or any(wall.oscillates or wall.jump_times for wall in walls):
+    if not isinstance(scene, Channel) or not scene.superposes:
         return scene.exact
-    return lambda field, x, y, t: _series(scene, np.asarray(y, dtype=float), t)
+    if any(wall.oscillates or wall.jump_times for wall in scene.pair):
+        return scene.exact
+    channel = scene
+    return lambda field, x, y, t: _series(channel, np.asarray(y, dtype=float), t)
 
 
-def _series(scene: Any, y: np.ndarray, t: float) -> np.ndarray:
+def _series(scene: Channel, y: np.ndarray, t: float) -> np.ndarray:
     """Return the velocity of a Newtonian or Oldroyd-B fluid between walls of velocities U0, U1, constant after t = 0.
 
     The developed flow is U0 (1 - y/H) + U1 y/H + g y (H - y)/(2 nu). The velocity differs from it by the sum of
@@ -88,8 +92,8 @@ def _series(scene: Any, y: np.ndarray, t: float) -> np.ndarray:
     n = np.arange(1, min(max(count, FEWEST_SINES if polymer else 0), MOST_SINES) + 1)
     rate, signs = nu * (np.pi * n / gap) ** 2, (-1.0) ** n
     parts = 2 / (np.pi * n) * np.array([np.ones_like(signs), -signs])  # sines of 1 - y/H and of y/H
-    walls = np.array([scene.bottom.cosine, scene.top.cosine])
-    before = np.array([wall.cosine if wall.before is None else wall.before for wall in (scene.bottom, scene.top)])
+    walls = np.array([wall.cosine for wall in scene.pair])
+    before = np.array([wall.cosine if wall.before is None else wall.before for wall in scene.pair])
     at_rest = not scene.starts_developed
     a = ((0.0 if at_rest else before) - walls) @ parts - at_rest * g * parts.sum(axis=0) / rate
     b = at_rest * (1 - share) * g * parts.sum(axis=0)
@@ -109,7 +113,7 @@ def _linear(
 ) -> Fault:
     """Return the fault with the flow (1 - value) * exact flow + value * flow ``towards(scene)``."""
 
-    def flow(scene: Any, value: float) -> Flow:
+    def flow(scene: Scene, value: float) -> Flow:
         own, other = exact(scene), towards(scene)
         return lambda *at: (1 - value) * own(*at) + value * other(*at)
 
@@ -119,7 +123,7 @@ def _linear(
 def _factors(units: Any) -> Iterator[Fault]:
     """Yield the faults of velocities with a factor: any factor, the wrong sign, or another unit of length."""
 
-    def twice(scene: Any) -> Flow:
+    def twice(scene: Scene) -> Flow:
         return lambda *at: 2 * exact(scene)(*at)
 
     def times(value: float) -> str:
@@ -137,7 +141,7 @@ def _factors(units: Any) -> Iterator[Fault]:
         yield replace(plain, name="unit", words=unit, choices=tuple(names))
 
 
-def _origin(scene: Any) -> Iterator[Fault]:
+def _origin(scene: Scene) -> Iterator[Fault]:
     """Yield the fault of vortices in a periodic box with another origin, some quarters of a period away.
 
     Origins half a period away along both axes are the same.
@@ -146,7 +150,7 @@ def _origin(scene: Any) -> Iterator[Fault]:
         return
     quarter, places = 0.25 * scene.reference_length, [(i, j) for j in (0, 1) for i in range(4)]
 
-    def flow(scene: Any, value: float) -> Flow:
+    def flow(scene: Scene, value: float) -> Flow:
         right, up = quarter * np.array(places[int(value)])
         return lambda field, x, y, t: scene.exact(field, x - right, y - up, t)
 
@@ -157,22 +161,22 @@ def _origin(scene: Any) -> Iterator[Fault]:
     yield Fault("origin", flow, words, choices=tuple(range(1, len(places))))
 
 
-def _drive(scene: Any) -> Iterator[Fault]:
+def _drive(scene: Channel) -> Iterator[Fault]:
     """Yield the fault of another body acceleration."""
 
-    def twice(scene: Any) -> Flow:
+    def twice(scene: Channel) -> Flow:
         return exact(replace(scene, acceleration=2 * scene.acceleration))
 
     if scene.acceleration:
         yield _linear("drive", twice, lambda value: f"the drive is {1 + value:.4g} times that of the config")
 
 
-def _viscosity(scene: Any) -> Iterator[Fault]:
+def _viscosity(scene: Scene) -> Iterator[Fault]:
     """Yield the fault of another viscosity; outside a channel only for Newtonian fluids, whose flow is solved fast."""
     if not (scene.parallel or scene.rheology is None):
         return
 
-    def flow(scene: Any, value: float) -> Flow:
+    def flow(scene: Scene, value: float) -> Flow:
         return exact(replace(scene, kinematic_viscosity=scene.kinematic_viscosity * np.exp(value)))
 
     def words(value: float) -> str:
@@ -184,10 +188,10 @@ def _viscosity(scene: Any) -> Iterator[Fault]:
     yield Fault("viscosity", flow, words, np.log(0.02), np.log(50.0), 0.005, (-0.7, 0.01, 0.7, *far))
 
 
-def _time(scene: Any, times: Sequence[float]) -> Fault:
+def _time(scene: Scene, times: Sequence[float]) -> Fault:
     earliest, latest = min(times), max(times)
 
-    def flow(scene: Any, value: float) -> Flow:
+    def flow(scene: Scene, value: float) -> Flow:
         return lambda field, x, y, t: exact(scene)(field, x, y, t + value)
 
     def words(value: float) -> str:
@@ -198,7 +202,7 @@ def _time(scene: Any, times: Sequence[float]) -> Fault:
     return Fault("time", flow, words, min(low, -1e-9), 5 * latest, 0.005 * latest, (0.5 * low, 0.01 * latest, latest))
 
 
-def _displaced_walls(scene: Any) -> list[Fault]:
+def _displaced_walls(scene: Channel) -> list[Fault]:
     limit = 0.2 * scene.gap / scene.spacing
     sides = {
         "walls": ((1, 1), "both walls act"),
@@ -209,10 +213,10 @@ def _displaced_walls(scene: Any) -> list[Fault]:
     return [_displaced(scene, name, *side, limit) for name, side in sides.items()]
 
 
-def _displaced(scene: Any, name: str, outward: tuple[int, int], subject: str, limit: float) -> Fault:
+def _displaced(scene: Channel, name: str, outward: tuple[int, int], subject: str, limit: float) -> Fault:
     """Return the fault of walls displaced by ``outward`` (bottom, top) times the parameter, in spacings."""
 
-    def flow(scene: Any, value: float) -> Flow:
+    def flow(scene: Channel, value: float) -> Flow:
         below, above = (side * value * scene.spacing for side in outward)
         wider = replace(scene, gap=scene.gap + below + above)
         return lambda field, x, y, t: exact(wider)(field, x, np.clip(y + below, 0.0, wider.gap), t)
@@ -229,11 +233,12 @@ def _displaced(scene: Any, name: str, outward: tuple[int, int], subject: str, li
     return Fault(name, flow, words, -limit, limit, 0.1, (-0.5, 0.5))
 
 
-def _slip(scene: Any) -> Iterator[Fault]:
+def _slip(scene: Channel) -> Iterator[Fault]:
     """Yield the fault of slip: the fluid at a moving wall is slower than the wall by a fraction of its velocity."""
 
-    def at_rest(scene: Any) -> Flow:
-        return exact(replace(scene, bottom=scene.bottom.scaled(0.0), top=scene.top.scaled(0.0)))
+    def at_rest(scene: Channel) -> Flow:
+        bottom, top = (wall.scaled(0.0) for wall in scene.pair)
+        return exact(replace(scene, bottom=bottom, top=top))
 
     def words(value: float) -> str:
         if value < 0:
@@ -244,7 +249,7 @@ def _slip(scene: Any) -> Iterator[Fault]:
         yield _linear("slip", at_rest, words, -1.0, 1.0)
 
 
-def _start(scene: Any, times: Sequence[float]) -> Iterator[Fault]:
+def _start(scene: Channel, times: Sequence[float]) -> Iterator[Fault]:
     """Yield the faults of another start, at rest or developed: superpositions, which hold for linear fluids only."""
     stops = any(wall.before is not None for _, wall in scene.walls)
     swings = scene.polymer and any(wall.oscillates for _, wall in scene.walls)
@@ -252,7 +257,7 @@ def _start(scene: Any, times: Sequence[float]) -> Iterator[Fault]:
     if stops or swings or scheduled or scene.start_time:
         return
 
-    def other(scene: Any) -> Flow:
+    def other(scene: Channel) -> Flow:
         return exact(replace(scene, initial_state="rest" if scene.starts_developed else "developed", start_time=0.0))
 
     def words(value: float) -> str:
@@ -265,7 +270,7 @@ def _start(scene: Any, times: Sequence[float]) -> Iterator[Fault]:
         yield _linear("uniform_start", _dragged, lambda value: _uniform(scene, value), -2.0, 2.0)
 
 
-def _dragged(scene: Any) -> Flow:
+def _dragged(scene: Channel) -> Flow:
     """Return the flow from a start with the reference velocity U: the exact flow plus U times (1 - u1).
 
     u1 is the flow from rest between walls of velocity 1.
@@ -274,7 +279,7 @@ def _dragged(scene: Any) -> Flow:
     return lambda *at: exact(scene)(*at) + scene.reference_velocity * (1 - dragged(*at))
 
 
-def _uniform(scene: Any, value: float) -> str:
+def _uniform(scene: Scene, value: float) -> str:
     speed = value * scene.reference_velocity
     return f"the start was not at rest, but with a uniform velocity of {speed:.4g} ({100 * value:.4g} % of U)"
 
@@ -289,7 +294,7 @@ CHANGES = 1.1
 """An error grows or falls if it changes by more than this factor from the first time to the last."""
 
 
-def error_location(scene: Any, snapshot: Snapshot) -> dict[str, Any]:
+def error_location(scene: Scene, snapshot: Snapshot) -> dict[str, Any]:
     """Return the place of the error of one sample, in numbers and in ``words``.
 
     ``largest``: the place (x, y) of the largest error, ``largest_error`` over U; between plane walls also ``thirds``:
@@ -301,7 +306,7 @@ def error_location(scene: Any, snapshot: Snapshot) -> dict[str, Any]:
     found = {"largest": [float(snapshot.x[index]), float(snapshot.y[index])], "largest_error": float(size[index])}
     if root_mean_square(size) < TOO_SMALL:
         return {**found, "words": "as small as that of the reference, or round-off"}
-    if not scene.parallel:
+    if not isinstance(scene, Channel):
         return {**found, "words": f"largest at ({snapshot.x[index]:.4g}, {snapshot.y[index]:.4g})"}
     thirds = _thirds(snapshot.y / scene.gap, size)
     excess = float((values - exact)[0, index])
@@ -327,7 +332,7 @@ def _side(thirds: dict[str, float]) -> str:
     return "all across the channel"
 
 
-def _largest(scene: Any, y: float, excess: float) -> str:
+def _largest(scene: Channel, y: float, excess: float) -> str:
     below = y < 0.5 * scene.gap
     distance = abs(y if below else scene.gap - y) / scene.spacing
     name = "bottom" if below else "top"
@@ -424,7 +429,7 @@ def diagnose(aligned: Sequence[Aligned]) -> Diagnosis:
     return Diagnosis(error, explaining, fits)
 
 
-def _chosen(scene: Any, snapshot: Snapshot) -> tuple[tuple, np.ndarray, np.ndarray]:
+def _chosen(scene: Scene, snapshot: Snapshot) -> tuple[tuple, np.ndarray, np.ndarray]:
     """Return positions and time (x, y, t), velocities and exact ones (fields, points) of some points of a sample."""
     values, exact = velocities(scene, snapshot)
     order = np.argsort(snapshot.y, kind="stable")
@@ -434,7 +439,7 @@ def _chosen(scene: Any, snapshot: Snapshot) -> tuple[tuple, np.ndarray, np.ndarr
     return at, values[:, index], exact[:, index]
 
 
-def _fitted(fault: Fault, scene: Any, samples: Sequence[Any]) -> Finding:
+def _fitted(fault: Fault, scene: Scene, samples: Sequence[Any]) -> Finding:
     """Return the ``Finding`` with the parameter of the smallest error; fits start at the two best guesses."""
     names = [name for name in ("u", "v", "w") if name in scene.fields]
 

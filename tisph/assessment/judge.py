@@ -16,9 +16,11 @@ from tisph import scenes
 from tisph.assessment import alignment, columns, diagnosis, readers
 from tisph.assessment.columns import Frame
 from tisph.assessment.diagnosis import error_location, trend
+from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.metrics import fitted_order, sample_metrics
 from tisph.report.plots import profile_figure
+from tisph.scenes._scene import Scene
 from tisph.text_table import format_table
 
 NUMBERS, PICTURE = "comparison.json", "comparison.png"
@@ -86,7 +88,7 @@ class Judgement:
     diagnoses: dict[str, diagnosis.Diagnosis]
 
 
-def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
+def judge(config: Config, paths: Sequence[Path], question: Question) -> Judgement:
     """Compare the files ``paths`` with the reference of a ``config``; ConfigError where that is not possible."""
     scene = scenes.of(config)
     if not {"u", "v"} & set(scene.fields) and not _steady(scene):
@@ -107,7 +109,7 @@ def judge(config: Any, paths: Sequence[Path], question: Question) -> Judgement:
     return Judgement(samples, [text for text in trends if text], orders, _diagnoses(by_resolution))
 
 
-def _steady(scene: Any) -> bool:
+def _steady(scene: Scene) -> bool:
     """Return whether the reference of the scene is one of its steady state alone."""
     return any(profile.steady for profile in scene.profiles())
 
@@ -124,7 +126,7 @@ def _diagnoses(by_resolution: dict[int, list[Sample]]) -> dict[str, diagnosis.Di
     return found
 
 
-def _frames(paths: Sequence[Path], question: Question, scene: Any) -> Iterator[tuple[Path, Frame, float]]:
+def _frames(paths: Sequence[Path], question: Question, scene: Scene) -> Iterator[tuple[Path, Frame, float]]:
     """Yield (path, frame, time) of all data to compare: columns by quantity, in the units of the config."""
     chosen, times = columns.parsed(question.columns), list(question.times)
     if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):
@@ -168,7 +170,7 @@ def _paired(frames: list[Frame], times: list[float], path: Path) -> list[tuple[F
     return pairs
 
 
-def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, config: Any) -> Sample:
+def _sample(path: Path, frame: Frame, t: float, scene: Scene, question: Question, config: Config) -> Sample:
     aligned = _aligned(path, frame, t, scene, question)
     series: Any = None
     if text := alignment.errors_alone(aligned):
@@ -190,7 +192,7 @@ def _sample(path: Path, frame: Frame, t: float, scene: Any, question: Question, 
     return Sample(path, aligned, numbers, {"largest_error": largest, "words": words})
 
 
-def _aligned(path: Path, frame: Frame, t: float, scene: Any, question: Question) -> alignment.Aligned:
+def _aligned(path: Path, frame: Frame, t: float, scene: Scene, question: Question) -> alignment.Aligned:
     if t < scene.start_time or t <= 0:
         raise ConfigError(f"--time {t:g}: is not after the start of the flow, {scene.start_time:g}")
     names: Sequence[str] = "xyu" if scene.parallel else ("x", "y", "u", "v", "w", "r", "u_r", "u_theta")

@@ -181,10 +181,10 @@ def rheometry(
       tisph rheometry runs/falling_ball --json
     """
     from tisph import scenes
-    from tisph.measures.rheometry import steady_shear, together, uniform_shear
-    from tisph.measures.viscometers import rabinowitsch
     from tisph.report.plots import plot_reading
     from tisph.results import open_run
+    from tisph.rheometry.rheometers import steady_shear, together, uniform_shear
+    from tisph.rheometry.viscometers import rabinowitsch
 
     runs = [open_run(run_dir) for run_dir in run_dirs]
     readings, fluids = [run.rheometry() for run in runs], {repr(run.config.fluid) for run in runs}

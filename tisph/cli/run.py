@@ -11,8 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from tisph.cli.terminal import ConfigFile, Overrides, held_back, out_folder
+from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.folder import Folder, claimed
+from tisph.scenes._scene import Scene
 from tisph.text_table import format_table
 
 FORCES = ("drag", "lift", "torque", "wall_shear")
@@ -30,7 +32,7 @@ MOST_NUMBERS = 4
 MOST_SAMPLES = 10
 
 
-def result_text(config: Any, scene: Any, summary: Mapping[str, Any]) -> str:
+def result_text(config: Config, scene: Scene, summary: Mapping[str, Any]) -> str:
     """Return a table of the last samples in ``summary`` (contents of ``summary.json``), and the time used, as text.
 
     The error is the error of the velocity against the reference; without a reference it is the estimate of
@@ -68,7 +70,7 @@ def result_text(config: Any, scene: Any, summary: Mapping[str, Any]) -> str:
     return "\n".join([*texts, f"{cost['steps']} steps, {cost['wall_total_s']:.3g} s: {parts}"])
 
 
-def _error(scene: Any, sample: Mapping[str, Any], estimate: Any) -> str:
+def _error(scene: Scene, sample: Mapping[str, Any], estimate: Any) -> str:
     value = sample["rms" if scene.vanishing_scale else "l2"]
     if value is not None:
         return f"{value:.2e}"
@@ -161,7 +163,7 @@ def run(
             print(f"\n{estimate}")
 
 
-def _simulate(config: Any, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
+def _simulate(config: Config, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
     with held_back():
         if pictures:
             from tisph.report import drawing_process

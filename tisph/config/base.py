@@ -1,7 +1,7 @@
 """The base of every parameter model: frozen, strict types, finite numbers, no unknown keys."""
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_serializer, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -67,10 +67,6 @@ class Model(BaseModel):
     Exactly one of ``exclusive_keys`` must have a value; ``null`` counts as not given. ``exclusive_keys`` and
     ``unset_keys`` without a value are left out of the resolved config.
     """
-
-    if TYPE_CHECKING:  # a key of a registry holds one of its members, with the keys of that member
-
-        def __getattr__(self, name: str) -> Any: ...
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
     exclusive_keys: ClassVar[tuple[str, ...]] = ()

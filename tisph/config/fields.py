@@ -119,11 +119,11 @@ def bodies(required: bool = False) -> Any:
 
     The modules of shapes are imported only when a config names them.
     """
-    shapes = tuple[Annotated[Model, Member("bodies", usual="circle")], ...]
+    shapes = tuple[Annotated[Any, Member("bodies", usual="circle")], ...]
     listed: Any = Annotated[shapes, Field(strict=False, max_length=MOST_BODIES)]
     if required:  # ``min_length`` would call a list empty whose only item is wrong
         listed = Annotated[listed, AfterValidator(_not_empty)]
-    suspension = Annotated[Model, Member("suspensions", usual="random_circles")]
+    suspension = Annotated[Any, Member("suspensions", usual="random_circles")]
     return either(listed, suspension, _is_suspension, "a map such as {type: random_circles}")
 
 

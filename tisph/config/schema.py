@@ -1,172 +1,54 @@
-"""Keys, types, ranges and defaults of every config. Units are any self-consistent system.
+"""Keys of every config, and the conditions between them that hold in every scene.
 
-The sections of a scene are in its file in ``tisph/scenes``. Conditions between keys are in ``checks.py``;
-parameters of wall treatments, rheologies and schemes are in the files of the members themselves.
+Units are any self-consistent system. Sections that all scenes share are in ``sections.py``, those of a scene in its
+file in ``tisph/scenes``; parameters of wall treatments, rheologies and schemes are in the files of the members
+themselves. Conditions: times inside the run, a legible movie, and a size that fits. A lattice of particles must fill
+the box of a scene, and have enough columns and rows for the cells of the neighbour search; the fields of the particles
+must fit into memory.
 """
 
-import re
+import math
+import os
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, ClassVar, Literal
+from functools import reduce
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from tisph import registry
-from tisph.config import checks, yaml_text
-from tisph.config.base import LARGEST, SMALLEST, Model, Positive, Problem, Whole, refusal
-from tisph.config.checks import LEAST_PARTICLES_ACROSS
-from tisph.config.fields import Member, member_name, number_or
-
-FrameWidth = Annotated[Whole, Field(ge=640, le=4096, multiple_of=2)]
-FrameHeight = Annotated[Whole, Field(ge=320, le=4096, multiple_of=2)]
-
-
-class Video(Model):
-    """Movie: frames per second, number of frames, size in pixels (even, for H.264), and contents.
-
-    ``color_by``: quantity that the colours show, between the ``limits`` [a, b], or the least and largest value of the
-    run. Coloured by dye, the fluid keeps the colour of the pattern ``dye`` in the first frame. ``style`` auto: a
-    continuous field in two-dimensional flow, else particles. ``overlay``: velocities as arrows, streamlines, or the
-    paths of some particles.
-    """
-
-    fps: Annotated[Whole, Field(ge=1, le=120)] = 30
-    frames: Annotated[Whole, Field(ge=2, le=10_000)] = 120
-    width: FrameWidth = 1280
-    height: FrameHeight = 640
-    renderer: Literal["raster"] = "raster"
-    color_by: str = "speed"
-    limits: number_or(Annotated[tuple[float, float], Field(strict=False)], "auto") = "auto"
-    style: Literal["auto", "field", "particles", "both"] = "auto"
-    dye: Literal["stripes", "checkerboard", "blob"] = "stripes"
-    overlay: Literal["none", "vectors", "streamlines", "tracks"] = "none"
-    theme: Literal["light", "dark"] = "light"
-
-
-Count = Annotated[Whole, Field(ge=LEAST_PARTICLES_ACROSS, le=10**12)]
+from tisph.config import yaml_text
+from tisph.config.base import Model, Problem, refusals
+from tisph.config.fields import Member, member_name, nearest
+from tisph.config.sections import (
+    LEAST_PARTICLES_ACROSS,
+    Discretisation,
+    Fluid,
+    Output,
+    Reference,
+    Runtime,
+    Time,
+    Units,
+    text_type,
+)
+from tisph.size_class import size_class
 
 FORMER_KEYS = {"tracers": "probes"}
 """Former name of a section -> present name. Both are accepted; resolved configs have the former, for older versions."""
 
-Rheology = Member("rheology", usual="newtonian")
 Scheme = Member("schemes", usual="auto", untyped="wcsph")
-
-
-def _text(pattern: str, allowed: str) -> Any:
-    """Return the type of a text that matches ``pattern`` from end to end; ``allowed``: its description in a message."""
-
-    def check(value: str) -> str:
-        if not re.fullmatch(pattern, value):
-            raise refusal(f"must be {allowed}")
-        return value
-
-    return Annotated[str, AfterValidator(check)]
-
 
 NOUNS = {"circle": ("cylinder", "cylinders"), "ellipse": ("ellipse", "ellipses"), "polygon": ("polygon", "polygons")}
 NOUNS |= {"curve": ("body", "bodies")}
 COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 """Words for types and numbers of bodies in titles."""
 
-FolderName = _text(
+FolderName = text_type(
     r"(?!\.)[\w.-]{1,64}(?<!\.)",
     "a folder name: 1 to 64 letters, digits or . _ - without a dot at either end",
 )
-Title = _text(
+Title = text_type(
     r"[^\W_](?:[^\n\r\t\v\f\x00-\x1f]{0,78}\S)?", "a line of 1 to 80 characters that begins with a letter or digit"
 )
-Label = _text(r"[A-Za-z0-9µ%^*/. -]{1,16}", "a unit label: 1 to 16 letters, digits or . % ^ * / -")
-
-
-class Units(Model):
-    """Labels of the units of length, mass and time, for plots and tables; nothing is converted."""
-
-    length: Label = "m"
-    mass: Label = "kg"
-    time: Label = "s"
-
-
-class Fluid(Model):
-    """Density [mass/length^3] and viscosity: dynamic [mass/(length time)] or kinematic [length^2/time].
-
-    ``inertia``: whether fluid and bodies have any; without it the flow is Stokes flow at every time.
-    """
-
-    exclusive_keys = ("dynamic_viscosity", "kinematic_viscosity")
-
-    density: Positive
-    dynamic_viscosity: Positive | None = None
-    kinematic_viscosity: Positive | None = None
-    inertia: bool = True
-    rheology: Annotated[Model, Rheology] = Field(default_factory=Rheology.default)
-
-    @property
-    def polymer(self) -> Any:
-        """The rheology where it has a polymer, else None."""
-        rheology: Any = self.rheology
-        return rheology if rheology.carries_stress else None
-
-
-class Discretisation(Model):
-    """Particle spacing [length] or number across (50), smoothing kernel, smoothing length over spacing."""
-
-    exclusive_keys = ("particles_across", "spacing")
-
-    particles_across: Count | None = None
-    spacing: Positive | None = None
-    kernel: member_name("kernels") = "quintic_spline"
-    smoothing_ratio: Annotated[float, Field(ge=0.8, le=3)] = 1.0
-    precision: Literal["f64", "f32"] = "f64"
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_resolution(cls, data: Any) -> Any:
-        if isinstance(data, dict) and all(data.get(key) is None for key in cls.exclusive_keys):
-            return {**data, "particles_across": 50}
-        return data
-
-
-class Time(Model):
-    """End of the run, times at which samples are written [time], and tolerance or Courant number of the steps.
-
-    ``tolerance``: largest error of a step over the reference velocity, for schemes that estimate it. ``cfl``: Courant
-    number of the explicit scheme; a number for the implicit one means steps of cfl * spacing / reference velocity.
-    """
-
-    end: Positive
-    samples: Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=1000)] = ()
-    cfl: number_or(Annotated[float, Field(gt=0, le=1)], "auto") = "auto"
-    tolerance: number_or(Annotated[float, Field(ge=1e-10, le=1e-1)], "auto") = "auto"
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fill_in_samples(cls, data: Any) -> Any:
-        end = data.get("end") if isinstance(data, dict) else None
-        # an invalid end is reported once, at its own key
-        if not isinstance(end, int | float) or isinstance(end, bool) or not SMALLEST <= end <= LARGEST:
-            return data
-        return data if data.get("samples") is not None else {**data, "samples": [end]}
-
-
-class Reference(Model):
-    """Velocity [length/time] of dimensionless numbers and errors, in place of the one from walls, bodies and drive."""
-
-    velocity: Positive
-
-
-class Output(Model):
-    """Movie (null or false for none), simulated time between checkpoints [time] (null for none), and ``vtk``: whether
-    samples are also written for ParaView during the run."""
-
-    video: Annotated[Video | None, BeforeValidator(lambda value: None if value is False else value)] = Video()
-    checkpoint_every: Positive | None = None
-    vtk: bool = False
-
-
-class Runtime(Model):
-    """Processor and number of threads of the loops."""
-
-    arch: Literal["cpu"] = "cpu"
-    threads: number_or(Annotated[Whole, Field(ge=1, le=256)], "auto") = "auto"
 
 
 class Config(Model):
@@ -176,6 +58,10 @@ class Config(Model):
     properties on which resolution, lattice and movie depend. Validation by this class returns an object of the scene's.
     """
 
+    if TYPE_CHECKING:  # sections of a scene
+
+        def __getattr__(self, name: str) -> Any: ...
+
     model_config = ConfigDict(defer_build=True)  # half of the time of reading a config, for the model of all scenes
 
     name: FolderName
@@ -184,7 +70,7 @@ class Config(Model):
     units: Units = Units()
     fluid: Fluid
     discretisation: Discretisation = Discretisation.model_validate({})
-    scheme: Annotated[Model, Scheme] = Field(default_factory=Scheme.default)
+    scheme: Annotated[Any, Scheme] = Field(default_factory=Scheme.default)
     reference: Reference | None = None
     time: Time
     output: Output = Output()
@@ -229,7 +115,7 @@ class Config(Model):
         sections = {key: value for key, value in vars(self).items() if hasattr(value, "for_spacing")}
         complete = {key: section.for_spacing(self.spacing) for key, section in sections.items()}
         whole = self.model_copy(update=complete) if complete else self
-        checks.raise_problems(whole)
+        raise_problems(whole)
         return whole
 
     @classmethod
@@ -331,7 +217,7 @@ class Config(Model):
         return 0.0
 
     @property
-    def members(self) -> dict[str, Model]:
+    def members(self) -> dict[str, Any]:
         """Parameters of the chosen members of families, except the scheme, by family."""
         return {"rheology": self.fluid.rheology}
 
@@ -369,3 +255,260 @@ def model_of(data: Any) -> type[Config]:
     """Return the model of the scene that the raw ``data`` of a config names; ``Config`` for an unknown scene."""
     name = data.get("scene") if isinstance(data, dict) else None
     return registry.load("scenes", name).Config if name in registry.names("scenes") else Config
+
+
+REALS = {False: 25, True: 280}
+"""Real numbers of a particle in fields, by whether the scheme is implicit. Explicit: two buffers of 11, and positions
+when the lists were built. Implicit: three operators of 52 entries each, and vectors."""
+
+WALLED_REALS = 200
+"""Further real numbers of a particle in two-dimensional flow between walls, where supports are larger. There are also
+points on the walls: ``WALL_POINTS`` times the root of the number of particles, as around an annulus of ratio 1/2."""
+
+WALL_POINTS = 6.0
+
+STRESS_REALS = {False: 12, True: 110}
+"""Real numbers of a particle's polymer stress. Explicit: three in two buffers, at full and at half steps. Implicit:
+three, and their slopes, at the ends of three steps, and fields of the solver."""
+
+INTEGER_BYTES = {False: 24, True: 240}
+"""Bytes of a particle's indices in lists and cells, with the implicit scheme also of its neighbours."""
+
+NEIGHBOUR_BYTES = 4 * 1.6
+"""Bytes in the explicit scheme's lists for each neighbour: an index, and room for disorder."""
+
+REACH = 0.15
+"""Radius of the explicit scheme's lists beyond the kernel support, in particle spacings."""
+
+HOST_BYTES = 165
+"""Bytes of a particle outside the fields while a run is set up or output is written."""
+
+MOST_PARTICLES = 20_000_000
+
+DIVISION_TOLERANCE = 1e-9
+"""Relative tolerance of whole numbers: far above the rounding of decimal numbers, far below any effect on a flow."""
+
+SKIN = 0.3
+"""Width of a neighbour list's skin for the smallest possible box, in particle spacings."""
+
+LEAST_IN_PERIOD = 18
+"""Particles in a period of a box with bodies: near walls the radius of operators is up to 5.8 spacings, and the
+neighbour search needs three cells."""
+
+SMALLEST_F32 = 1e-6
+"""Spacing whose fourth power, in the determinant of the moments, is well inside the range of single precision."""
+
+
+def problems(config: Config) -> Iterator[Problem]:
+    """Yield every condition between keys that the config breaks, the conditions of its scene among them."""
+    yield from config.problems()
+    yield from _times(config)
+    yield from _video(config)
+    for family, parameters in config.members.items():
+        yield from _problems_of_member(family, parameters.type, config)
+    yield from _scheme(config)
+    # a size that fits, then whole numbers of particles, then the precision
+    yield from list(_size(config)) or list(_across(config)) or list(config.incommensurate()) or _precision(config)
+
+
+def raise_problems(config: Config) -> None:
+    """Raise one ValidationError with all problems of the validated config, if there are any."""
+    found: list[tuple[Any, ...]] = []
+    whole: Any = config
+    for key, text, *others in problems(config):
+        place, *other_places = (
+            tuple(int(part) if part.isdigit() else part for part in each.split(".")) for each in (key, *others)
+        )
+        value = reduce(lambda data, part: data[part] if isinstance(part, int) else getattr(data, part), place, whole)
+        found.append((place, text, value, *other_places))
+    if found:
+        raise refusals(found)
+
+
+def _times(config: Config) -> Iterator[Problem]:
+    start, end, samples = config.start_time, config.time.end, config.time.samples
+    if config.singular and config.time.tolerance != "auto":
+        text = "is not allowed where velocities jump in a corner: the error of a step is not finite there"
+        yield "time.tolerance", f"{text}; give time.cfl, or scheme.accuracy"
+    if not end > start:
+        yield "time.end", f"must be after the start of the run at {start:g}"
+        return
+    for index, sample in enumerate(samples):
+        if not start <= sample <= end:
+            yield f"time.samples.{index}", f"must be inside the run, {start:g} to {end:g}"
+        elif index and not sample > samples[index - 1]:
+            yield f"time.samples.{index}", f"must be greater than the sample before it, {samples[index - 1]:g}"
+
+
+def _video(config: Config) -> Iterator[Problem]:
+    video = config.output.video
+    if not video:
+        return
+    if not 0.5 <= video.width / video.height <= 5:
+        text = f"{video.width} x {video.height} leaves no room for words that can be read"
+        yield "output.video", f"{text}: width must be 0.5 to 5 times the height"
+    names = colours(config)
+    if video.color_by not in names:
+        *others, last = map(repr, names)
+        yield "output.video.color_by", f"must be {', '.join(others)} or {last}{nearest(video.color_by, names)}"
+    if video.limits != "auto" and not video.limits[0] < video.limits[1]:
+        yield "output.video.limits", "must be auto, or the lower limit and then the higher one"
+
+
+def colours(config: Config) -> list[str]:
+    """Return the names that ``output.video.color_by`` of the validated ``config`` may have."""
+    rheology, names = config.fluid.rheology, ["speed", "u"]
+    if not config.parallel:
+        names += ["v", "vorticity", "pressure"]
+    if config.axisymmetric:
+        names += ["swirl", "stream_function"]
+    names += ["shear_rate", "shear_stress", "viscosity"]
+    if rheology.carries_stress:
+        names += ["normal_stress_difference"]
+        names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
+    return [*names, *(["error"] if config.has_exact_velocity else []), "dye"]
+
+
+def _problems_of_member(family: str, name: str, config: Config) -> Iterator[Problem]:
+    """Yield the problems of a member of the registry, which may have a function ``problems(config)``."""
+    find = getattr(registry.load(family, name), "problems", None)
+    return find(config) if find else iter(())
+
+
+def _scheme(config: Config) -> Iterator[Problem]:
+    """Yield the problems of the scheme, or one problem where it does not support the periodic axes of the scene."""
+    chosen = config.scheme.type
+    if config.periodic in _boxes(chosen):
+        yield from _problems_of_member("schemes", chosen, config)
+        return
+    able = [name for name in registry.names("schemes") if config.periodic in _boxes(name)]
+    if able:
+        yield "scheme.type", f"does not support the periodic axes of {config.scene}; take {' or '.join(able)}"
+    else:
+        yield "scene", "no scheme can run it yet: they all need walls"
+
+
+def _boxes(scheme: str) -> list[tuple[bool, bool]]:
+    """Return the boxes that a scheme supports, each by whether it is periodic in x and y."""
+    return registry.constant("schemes", scheme, "PERIODIC")
+
+
+def estimated_bytes(particles: float, config: Config, implicit: bool) -> float:
+    """Return the estimated memory [bytes] of the fields of a run with this number of ``particles``.
+
+    ``implicit``: whether its scheme is implicit.
+    """
+    reals = REALS[implicit] + STRESS_REALS[implicit] * config.fluid.rheology.carries_stress
+    if implicit and not config.parallel and (getattr(config, "bodies", None) or not all(config.periodic)):
+        reals += WALLED_REALS
+        particles += WALL_POINTS * math.sqrt(particles)
+    fields = reals * (8 if config.discretisation.precision == "f64" else 4) + INTEGER_BYTES[implicit]
+    lists = 0.0 if implicit else NEIGHBOUR_BYTES * math.pi * (config.support + REACH) ** 2
+    return size_class(particles) * (fields + lists) + particles * HOST_BYTES
+
+
+def physical_bytes() -> int | None:
+    """Return the memory of this machine [bytes], None where the system does not say (Windows)."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def format_bytes(count: float) -> str:
+    """Return a byte count as text, such as ``3.1 GB``."""
+    for unit in ("bytes", "kB", "MB", "GB", "TB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} PB"
+
+
+def _size(config: Config) -> Iterator[Problem]:
+    rows = across(config)
+    particles = rows * (rows * (config.area / config.across / config.across))
+    needed = estimated_bytes(particles, config, config.scheme.type != "wcsph")
+    available = physical_bytes()
+    key = resolution_key(config)
+    text = f"makes {particles:.3g} particles, which would need about {format_bytes(needed)} of memory"
+    if particles > MOST_PARTICLES:
+        yield key, f"{text}; at most {MOST_PARTICLES} particles are allowed"
+    elif available and needed > available:
+        yield key, f"{text}; this machine has {format_bytes(available)}"
+
+
+def resolution_key(config: Config) -> str:
+    """Return the dotted key that sets the particle spacing of the config."""
+    return "discretisation." + ("particles_across" if config.discretisation.spacing is None else "spacing")
+
+
+def across(config: Config) -> float:
+    """Return the number of particles in the length ``config.across``, which may not be whole."""
+    given: Any = config.discretisation
+    return given.particles_across or config.across / given.spacing
+
+
+def least_across(config: Config) -> int:
+    """Return the least number of particles across."""
+    if config.periodic[1]:
+        return least_in_period(config)
+    return max(LEAST_PARTICLES_ACROSS, math.ceil(config.support + SKIN))
+
+
+def least_in_period(config: Config) -> int:
+    """Return the least number of particles in a period: with three cells no pair is also listed as a periodic copy."""
+    return math.ceil(3 * (config.support + SKIN))
+
+
+def is_whole(number: float) -> bool:
+    """Return whether ``number`` is a whole number, within round-off, and not 0."""
+    return round(number) >= 1 and abs(number - round(number)) <= DIVISION_TOLERANCE * number
+
+
+def nearest_valid(config: Config) -> str:
+    """Return the words of a message for the nearest resolutions, within a factor of 2, that fill the box.
+
+    Where there is none, the nearest resolutions that divide ``config.across``, if the given one does not.
+    """
+    given, whole, least = across(config), config.across, least_across(config)
+    start = math.floor(given)
+    below = range(start, max(least, math.ceil(given / 2)) - 1, -1)
+    above = range(max(least, start + 1), math.floor(2 * given) + 1)
+    found = [next((rows for rows in side if is_whole(rows * config.aspect)), None) for side in (below, above)]
+    rest = ""
+    if not any(found) and not is_whole(given):
+        found, rest = [max(start, least), max(start, least) + 1], ", and geometry.length to suit"
+    by_spacing = config.discretisation.spacing is not None
+    choices = [f"{whole / rows:.12g}" if by_spacing else str(rows) for rows in found if rows]
+    name = "spacing" if by_spacing else "particles_across"
+    return f"nearest valid {name}: {' or '.join(choices)}{rest}" if choices else ""
+
+
+def incommensurate_columns(config: Config) -> list[Problem]:
+    """Return the problem of a ``geometry.length`` that is not a whole number of particle spacings."""
+    rows, whole, length = across(config), config.across, config.geometry.length
+    columns, least = rows * length / whole, least_in_period(config)
+    if is_whole(columns):
+        return []
+    wholes = sorted({max(number, least) for number in (math.floor(columns), math.ceil(columns))})
+    lengths = " or ".join(f"{number * whole / rows:.12g}" for number in wholes)
+    text = f"{round(rows)} particles across make {columns:.6g} columns in the length {length:g}"
+    nearest = nearest_valid(config)
+    text = f"{text}, no whole number; nearest valid geometry.length: {lengths}{nearest and f'; {nearest}'}"
+    return [(resolution_key(config), text, "geometry.length")]
+
+
+def _across(config: Config) -> Iterator[Problem]:
+    given, least, key = across(config), least_across(config), resolution_key(config)
+    if given < least * (1 - DIVISION_TOLERANCE):
+        limit = f" (spacing at most {config.across / least:.6g})" if config.discretisation.spacing else ""
+        yield key, f"at least {least} particles must fit across {config.across_name}{limit}"
+    elif not is_whole(given):
+        yield key, f"must divide {config.across_name} {config.across:g}; {nearest_valid(config)}"
+
+
+def _precision(config: Config) -> Iterator[Problem]:
+    size = config.spacing
+    if config.discretisation.precision == "f32" and not SMALLEST_F32 <= size <= 1 / SMALLEST_F32:
+        text = f"needs a particle spacing from {SMALLEST_F32:g} to {1 / SMALLEST_F32:g}, which is {size:.3g}"
+        yield "discretisation.precision", f"{text}: take other units of length, or f64"

@@ -129,6 +129,15 @@ class Body:
             raise ValueError(f"periods are above 0, infinite where there is none, not {self.periods}")
 
     @property
+    def moves_fluid(self) -> bool:
+        """Whether the fluid at the wall has the velocity of the wall."""
+        return not self.slip_length
+
+    def load_name(self, centre: np.ndarray) -> tuple[str, str]:
+        """Return the load of the fluid on the body at ``centre`` (2,), and its place, in words."""
+        return "force", f"on the body at ({centre[0]:.4g}, {centre[1]:.4g})"
+
+    @property
     def free(self) -> bool:
         """Whether the flow moves it; ``motion`` is then a ``FreeMotion``."""
         return self.motion.free

@@ -74,6 +74,10 @@ class Inlet(OpenEnd):
         """Return the acceleration of the fluid at ``points``, of a flow that has been parallel upstream."""
         return self._inwards("value", points, state.time, order=1)
 
+    def load_name(self, centre: np.ndarray) -> tuple[str, str]:
+        """See ``Body.load_name``."""
+        return "pressure", "at the inlet"
+
     def turning(self, radius: np.ndarray) -> np.ndarray:
         """Return the angular velocity (n,) of the fluid around the axis at each ``radius`` (n,), constant in time."""
         rate, vortex = self.swirl
@@ -92,6 +96,11 @@ class Outlet(OpenEnd):
     """
 
     pressure: float = 0.0
+
+    @property
+    def moves_fluid(self) -> bool:
+        """See ``Body.moves_fluid``: the velocity is unknown."""
+        return False
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,60 @@ Math. 4 (1995) 389-396.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 from tisph.geometry.region import nearest_image
+from tisph.measures.flow import FlowInBox, PolymerParameters
 from tisph.snapshot import Snapshot
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelFlow(FlowInBox):
+    """Flow along x between the walls ``bottom`` at y = 0 and ``top`` at y = ``gap``, with the period ``length``.
+
+    ``acceleration`` acts on the fluid along x; ``polymer`` is None without one. ``slip_lengths`` [length] of the
+    (bottom, top) wall: the fluid at a wall is faster than the wall by slip length * shear stress / dynamic viscosity.
+    """
+
+    gap: float
+    length: float
+    bottom: WallMotion | StressControlledWall | Schedule
+    top: WallMotion | StressControlledWall | Schedule
+    acceleration: float = 0.0
+    polymer: PolymerParameters | None = None
+    slip_lengths: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Length and gap."""
+        return self.length, self.gap
+
+    @property
+    def pair(self) -> tuple[Any, Any]:
+        """The bottom and the top wall."""
+        return self.bottom, self.top
+
+    @property
+    def driven_side(self) -> int | None:
+        """The stress-controlled wall: 0 the bottom, 1 the top one; None where the velocities of both are given."""
+        return next((side for side, wall in enumerate(self.pair) if wall.stress_controlled), None)
+
+    @property
+    def polymer_viscosity(self) -> float:
+        """Kinematic viscosity that the polymer adds; 0 without polymer."""
+        return self.kinematic_viscosity * (1.0 - self.polymer.solvent_fraction) if self.polymer else 0.0
+
+    def viscous_stress(self, shear_rate: Any) -> Any:
+        """Return the shear stress of the solvent, or of an inelastic fluid, at a ``shear_rate``."""
+        if self.rheology is None or self.polymer:
+            return self.density * self.solvent_viscosity * shear_rate
+        law = self.rheology.law(self.kinematic_viscosity, self.density)
+        return self.density * law.viscosity(shear_rate**2) * shear_rate
+
 
 PROBE_RADIUS = 3.0
 """Radius R in particle spacings: 28 particles, and 14 in three rows for a point on a wall; 6 are needed."""
@@ -43,7 +91,7 @@ class Probes:
     ``x`` and ``y`` of shape (points,), inside the channel, which is periodic in x.
     """
 
-    def __init__(self, channel: Any, x: np.ndarray, y: np.ndarray):
+    def __init__(self, channel: ChannelFlow, x: np.ndarray, y: np.ndarray):
         self.x = np.asarray(x, dtype=float)
         self.y = np.asarray(y, dtype=float)
         self._length = channel.length
@@ -83,7 +131,7 @@ class Probes:
         return values
 
 
-def interpolate(snapshot: Snapshot, channel: Any, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def interpolate(snapshot: Snapshot, channel: ChannelFlow, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return the velocity along x at the points (``x``, ``y``), arrays of one shape (points,). See ``Probes``."""
     return Probes(channel, x, y).velocity(snapshot)
 
@@ -92,13 +140,13 @@ WALL_RADIUS = 5.0
 """Radius R in particle spacings: five rows of particles for at most four coefficients."""
 
 
-def wall_shear(channel: Any, snapshot: Snapshot) -> tuple[float, float]:
+def wall_shear(channel: ChannelFlow, snapshot: Snapshot) -> tuple[float, float]:
     """Return the shear stress (bottom, top) of the particles, averaged along the walls [mass/(length time^2)].
 
     It is the total stress, density * solvent viscosity * du/dy + S_xy.
     """
     found = []
-    for side, (wall, slip_length) in enumerate(zip((channel.bottom, channel.top), channel.slip_lengths, strict=True)):
+    for side, (wall, slip_length) in enumerate(zip(channel.pair, channel.slip_lengths, strict=True)):
         near, powers = _powers(channel, side, snapshot)
         u, weight, sign = snapshot.u[near], powers[:, 0], -1.0 if side else 1.0
         if slip_length >= channel.spacing:
@@ -131,13 +179,13 @@ def wall_shear_error(sample: Mapping[str, Any]) -> float | None:
     return max(abs(bottom - bottom_exact), abs(top - top_exact)) / scale if scale > 0 else None
 
 
-def wall_velocity(channel: Any, side: int, snapshot: Snapshot) -> float:
+def wall_velocity(channel: ChannelFlow, side: int, snapshot: Snapshot) -> float:
     """Return the velocity of the fluid at the bottom (``side`` 0) or top wall (1), by the particles."""
     near, powers = _powers(channel, side, snapshot)
     return _fitted(powers, powers[:, 0] * snapshot.u[near])[0]
 
 
-def _powers(channel: Any, side: int, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+def _powers(channel: ChannelFlow, side: int, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     """Return the particles (n,) near a wall, and roots of their weights times d/R to the powers 0 to 4 (n, 5)."""
     radius, distance = WALL_RADIUS * channel.spacing, channel.gap - snapshot.y if side else snapshot.y
     near = np.flatnonzero(distance < radius)

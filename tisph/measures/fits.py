@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import Outlet
 from tisph.geometry.region import nearest_image, wrapped
+from tisph.measures.flow import FlowInBox
 from tisph.snapshot import Snapshot
 
 CHUNK = 512
@@ -44,7 +44,7 @@ ACROSS = 4, 9
 """Degree and number of rows of fits in y alone; above degree 4 the fit at a wall is badly conditioned."""
 
 
-def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+def with_walls(scene: FlowInBox, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     """Return positions and velocities (n, 2) of the particles, then of points on walls and inlets a spacing apart."""
     walls = _walls(scene.seen(snapshot), snapshot.t)
     velocities = [body.velocity(points, snapshot.t) for body, points in walls]
@@ -52,13 +52,9 @@ def with_walls(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate([positions, *(points for _, points in walls)]), np.concatenate([velocity, *velocities])
 
 
-def _walls(scene: Any, t: float) -> list[tuple[Any, np.ndarray]]:
-    """Return the walls at which the velocity is known, each with points (n, 2) on it a spacing apart.
-
-    It is not at outlets, and where the fluid slips.
-    """
-    bodies = (body for body in scene.bodies if not (isinstance(body, Outlet) or body.slip_length))
-    return [(body, body.boundary_points(scene.spacing, t).point) for body in bodies]
+def _walls(scene: FlowInBox, t: float) -> list[tuple[Any, np.ndarray]]:
+    """Return the walls and ends at which the velocity is known, each with points (n, 2) on it a spacing apart."""
+    return [(body, body.boundary_points(scene.spacing, t).point) for body in scene.bodies if body.moves_fluid]
 
 
 def _particles(snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
@@ -76,7 +72,7 @@ UNDETERMINED = 1e-13
 
 
 def interpolated(
-    scene: Any, positions: np.ndarray, values: np.ndarray, points: np.ndarray, fit: tuple[int, int] = PLANE
+    scene: FlowInBox, positions: np.ndarray, values: np.ndarray, points: np.ndarray, fit: tuple[int, int] = PLANE
 ) -> np.ndarray:
     """Interpolate ``values`` (particles, fields) at ``positions`` (particles, 2) to ``points`` (n, 2).
 
@@ -131,7 +127,7 @@ def _normal_equations(
     return weighted @ basis.transpose(0, 2, 1), weighted, nearest, radius
 
 
-def periodic_tree(scene: Any, positions: np.ndarray, axes: Sequence[int] = (0, 1)) -> tuple[Any, np.ndarray]:
+def periodic_tree(scene: FlowInBox, positions: np.ndarray, axes: Sequence[int] = (0, 1)) -> tuple[Any, np.ndarray]:
     """Return a search tree of ``positions`` (n, 2) in the box of ``scene``, and the positions wrapped into it.
 
     With one of the ``axes`` it contains that coordinate alone.
@@ -142,7 +138,7 @@ def periodic_tree(scene: Any, positions: np.ndarray, axes: Sequence[int] = (0, 1
     return cKDTree(positions, boxsize=sizes), positions
 
 
-def _in_box(scene: Any, positions: np.ndarray, axes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+def _in_box(scene: FlowInBox, positions: np.ndarray, axes: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Return the coordinates along ``axes`` of ``positions`` (n, 2), wrapped, and the periods, 0 for none."""
     sizes = np.where(scene.periodic, scene.extent, 0.0)[list(axes)]
     columns = [
@@ -170,7 +166,7 @@ def _terms(coordinates: Sequence[np.ndarray], degree: int) -> np.ndarray:
     return terms
 
 
-def velocity_gradients(scene: Any, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
+def velocity_gradients(scene: FlowInBox, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
     """Return du/dx, du/dy, dv/dx, dv/dy at the particles, array (4, particles); ``degree`` is 2 or 4.
 
     NaN everywhere where any number of the snapshot is not finite.
@@ -187,7 +183,7 @@ def velocity_gradients(scene: Any, snapshot: Snapshot, degree: int = 4) -> np.nd
     return np.concatenate(gradients, axis=1)
 
 
-def vorticity(scene: Any, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
+def vorticity(scene: FlowInBox, snapshot: Snapshot, degree: int = 4) -> np.ndarray:
     """Return dv/dx - du/dy at the particles, array (particles,), from ``velocity_gradients``."""
     gradients = velocity_gradients(scene, snapshot, degree)
     return gradients[2] - gradients[1]
@@ -197,13 +193,13 @@ MARGIN = 4.0
 """Spacings by which a periodic box is continued: wider than any void of a coherent fluid."""
 
 
-def min_distance(scene: Any, snapshot: Snapshot) -> float:
+def min_distance(scene: FlowInBox, snapshot: Snapshot) -> float:
     """Return the smallest distance of two particles over the spacing; 1 on a lattice."""
     tree, positions = periodic_tree(scene, _particles(snapshot)[0])
     return tree.query(positions, 2)[0][:, 1].min() / scene.spacing
 
 
-def max_void_radius(scene: Any, snapshot: Snapshot) -> float:
+def max_void_radius(scene: FlowInBox, snapshot: Snapshot) -> float:
     """Return the radius over the spacing of the largest circle without a particle; sqrt(1/2) on a lattice.
 
     It goes through the corners of a triangle of the Delaunay triangulation of the particles. Where the box is not
@@ -249,7 +245,7 @@ NODES_ACROSS = 40
 """Least number of nodes in a cross-section."""
 
 
-def cell_mean(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def cell_mean(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return the mean (2,) of the velocity over the box of ``scene``, bodies included.
 
     The integral has nodes at least a particle spacing apart: Gauss-Legendre nodes between walls, where the velocity has
@@ -274,7 +270,7 @@ BAND = 8.0
 """Spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
 
 
-def section_mean(scene: Any, snapshot: Snapshot, place: float, degree: int = 4) -> float:
+def section_mean(scene: FlowInBox, snapshot: Snapshot, place: float, degree: int = 4) -> float:
     """Return the mean of u over the cross-section at ``place``, see ``section_weights``; NaN if a number is not finite.
 
     In an incompressible flow it is the mean over all of a box that is periodic in x, solids included, at a tenth of the
@@ -300,7 +296,7 @@ def section_mean(scene: Any, snapshot: Snapshot, place: float, degree: int = 4) 
     return float(weights @ local_fits(tree, nodes, np.concatenate(velocity), degree)[0][:, 0, 0])
 
 
-def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
+def section_weights(scene: FlowInBox, positions: np.ndarray, t: float) -> np.ndarray:
     """Return weights (n,) of values at ``positions`` in their mean over the cross-section ``scene.open_section``.
 
     ``positions`` (n, 2) are the particles and points on walls at time ``t``. In axisymmetric flow the mean is taken
@@ -309,7 +305,9 @@ def section_weights(scene: Any, positions: np.ndarray, t: float) -> np.ndarray:
     if not _finite(positions):
         return np.full(len(positions), np.nan)
     tree, _ = periodic_tree(scene, positions)
-    nodes, weights = _section(scene, scene.open_section(t))
+    place = scene.open_section(t)
+    assert place is not None
+    nodes, weights = _section(scene, place)
     return sum_weights(tree, nodes, weights)
 
 
@@ -323,7 +321,7 @@ def sum_weights(tree: Any, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray
     return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), tree.n)
 
 
-def _section(scene: Any, place: float) -> tuple[np.ndarray, np.ndarray]:
+def _section(scene: FlowInBox, place: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes (n, 2) of a mean over the cross-section at ``place`` along x, and their weights (n,)."""
     heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
     x = np.full_like(heights, place % scene.extent[0])
@@ -334,7 +332,7 @@ def _section(scene: Any, place: float) -> tuple[np.ndarray, np.ndarray]:
     return nodes, weights * (size / scene.extent[1])
 
 
-def _nodes(scene: Any) -> tuple[np.ndarray, np.ndarray]:
+def _nodes(scene: FlowInBox) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes (n, 2) of a mean over the cell and their weights (n,), which add up to 1."""
     size = np.asarray(scene.extent)
     counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
@@ -355,7 +353,7 @@ def _rule(count: int, periodic: bool) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (positions + 1.0), 0.5 * weights
 
 
-def stream_function(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def stream_function(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return psi at the particles, array (particles,) of length^3/time; NaN where any number is not finite."""
     from scipy.interpolate import CubicSpline, RectBivariateSpline  # some tenths of a second to import
 
@@ -372,7 +370,7 @@ def stream_function(scene: Any, snapshot: Snapshot) -> np.ndarray:
 
 
 def _velocity(
-    scene: Any, snapshot: Snapshot, positions: np.ndarray, velocity: np.ndarray, nodes: np.ndarray
+    scene: FlowInBox, snapshot: Snapshot, positions: np.ndarray, velocity: np.ndarray, nodes: np.ndarray
 ) -> np.ndarray:
     """Return u (columns, rows) at ``nodes`` (columns, rows, 2); the last column may be a period behind the first."""
     last = len(nodes) - scene.periodic[0]

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from tisph.measures.flow import FlowInBox
 from tisph.measures.resolution import resolution
 from tisph.snapshot import Snapshot
 
 
-def with_reference(scene: Any, snapshot: Snapshot, fields: Sequence[str] | None = None) -> Snapshot:
+def with_reference(scene: FlowInBox, snapshot: Snapshot, fields: Sequence[str] | None = None) -> Snapshot:
     """Return ``snapshot`` with its ``reference``: arrays (particles,) of all fields with a reference.
 
     ``fields`` restricts them, unless the snapshot has a reference already.
@@ -26,7 +27,7 @@ ROUNDINGS = 4.0
 
 
 def sample_metrics(
-    scene: Any, snapshot: Snapshot, series: tuple[Any, ...], errors_alone: bool = False
+    scene: FlowInBox, snapshot: Snapshot, series: tuple[Any, ...], errors_alone: bool = False
 ) -> dict[str, Any]:
     """Return the numbers of a sample: its errors against the reference of the scene, and the scene's own measures.
 
@@ -59,7 +60,7 @@ def sample_metrics(
     return {"t": numbers.pop("t"), "resolved": resolved, "reason": reason, **numbers}
 
 
-def relative_error(scene: Any, snapshot: Snapshot) -> float | None:
+def relative_error(scene: FlowInBox, snapshot: Snapshot) -> float | None:
     """Return sqrt(sum |u - u_exact|^2 / sum |u_exact|^2) over the particles; None for an exact solution at rest.
 
     Velocities are relative to the flow's own frame (``scene.frame_velocity``).
@@ -72,7 +73,7 @@ def relative_error(scene: Any, snapshot: Snapshot) -> float | None:
     return relative_difference(values, exact, ROUNDINGS * np.spacing(abs(scene.frame_velocity)))
 
 
-def rms_error(scene: Any, snapshot: Snapshot) -> float | None:
+def rms_error(scene: FlowInBox, snapshot: Snapshot) -> float | None:
     """Return sqrt(mean |u - u_exact|^2) over the particles, over the reference velocity; None without a reference."""
     squares = _squared_errors(scene, snapshot)
     return None if squares is None else float(np.sqrt(np.mean(squares))) / scene.reference_velocity
@@ -83,12 +84,12 @@ def root_mean_square(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _squared_errors(scene: Any, snapshot: Snapshot) -> np.ndarray | None:
+def _squared_errors(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray | None:
     values, exact = velocities(scene, snapshot)
     return np.square(values - exact).sum(axis=0) if len(exact) else None
 
 
-def field_error(scene: Any, snapshot: Snapshot, field: str) -> float | None:
+def field_error(scene: FlowInBox, snapshot: Snapshot, field: str) -> float | None:
     """Return sqrt(sum (f - f_exact)^2 / sum f_exact^2) of one field over the particles; None for f_exact = 0.
 
     For the pressure, which is defined up to a constant, the mean of f - f_exact is subtracted first.
@@ -98,7 +99,7 @@ def field_error(scene: Any, snapshot: Snapshot, field: str) -> float | None:
     return relative_difference(values - np.mean(values - exact) if field == "pressure" else values, exact)
 
 
-def velocities(scene: Any, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
+def velocities(scene: FlowInBox, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     """Return velocities and their references, arrays (components with a reference, particles)."""
     names = [name for name in ("u", "v", "w") if name in scene.fields]
     snapshot = with_reference(scene, snapshot, names)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import Inlet
+from tisph.measures.flow import FlowInBox
 from tisph.snapshot import Snapshot
 
 CHANGE = 1e-3
@@ -51,7 +51,7 @@ def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) 
 
 
 def steadiness(
-    scene: Any, t: float, series: Sequence[Any], column: int = 0, words: str = "kinetic energy"
+    scene: FlowInBox, t: float, series: Sequence[Any], column: int = 0, words: str = "kinetic energy"
 ) -> dict[str, Any]:
     """Return ``energy_change``, ``steady`` and ``steady_reason`` (None for steady flow) at time ``t``, by name.
 
@@ -116,14 +116,6 @@ The error of the drag of a confined cylinder is 0.4 % with 1.5 and 1 % with 2.6,
 1e-3 with 0.5.
 """
 
-LARGEST_BACKFLOW = 0.01
-"""Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: that fluid has an
-unknown past, and an outlet without stress may become unstable with it."""
-
-LARGEST_IMBALANCE = 0.01
-"""Largest difference of the flow rates through inlet and outlet in a resolved sample, over the reference velocity times
-the width of the inlet: velocities behind a body or a step have at least this error."""
-
 LARGEST_ADDED_POWER = 0.01
 """Largest power that errors of the viscous operators add to a fluid of varying viscosity in a resolved sample, over the
 dissipation. The error of the velocity in pipes is one to two times this ratio (docs/evidence/stability.md).
@@ -137,13 +129,13 @@ The error of single steps is three times the scatter (docs/how-to/accuracy.md).
 """
 
 
-def resolution(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[bool, str | None]:
+def resolution(scene: FlowInBox, t: float, snapshot: Snapshot | None = None) -> tuple[bool, str | None]:
     """Return whether the flow of a scene is resolved at time ``t``, and the reason: (True, None) or (False, reason)."""
     found = unresolved(scene, t, snapshot)
     return (True, None) if found is None else (False, found[1])
 
 
-def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[str, str] | None:
+def unresolved(scene: FlowInBox, t: float, snapshot: Snapshot | None = None) -> tuple[str, str] | None:
     """Return a short text for frames and a full reason if the flow is not resolved at time ``t``; None if it is.
 
     Before the run, without a ``snapshot``, only layers, radii and gaps are checked. Without inertia there is no layer.
@@ -163,21 +155,14 @@ def unresolved(scene: Any, t: float, snapshot: Snapshot | None = None) -> tuple[
     return None if snapshot is None else _unresolved_state(given, snapshot)
 
 
-def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
+def _unresolved_state(scene: FlowInBox, snapshot: Snapshot) -> tuple[str, str] | None:
     """Return a short text and the reason for the first criterion that a state fails (drift, ...), or None."""
     drift = scene.drift(snapshot)
     if drift > LARGEST_DRIFT:
         text = f"without walls, fluid and bodies drift together by {drift:.2g} of their velocity against each other"
         return f"bodies drift by {drift:.2g}", f"{text}; resolved up to {LARGEST_DRIFT:g}"
-    if snapshot.backflow is not None and snapshot.backflow > LARGEST_BACKFLOW * scene.reference_velocity:
-        found = snapshot.backflow / scene.reference_velocity
-        text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
-        return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
-    if snapshot.flow_rates is not None:
-        found = abs(snapshot.flow_rates.sum()) / (scene.reference_velocity * scene.inlet.shape.length)
-        if found > LARGEST_IMBALANCE:
-            text = f"flow rates through inlet and outlet differ by {found:.2g} of that of the reference velocity"
-            return f"flow rates differ by {found:.2g}", f"{text}; resolved up to {LARGEST_IMBALANCE:g}"
+    if at_ends := scene.unresolved_ends(snapshot):
+        return at_ends
     if snapshot.divergence is not None and snapshot.divergence > LARGEST_DIVERGENCE:
         text = f"the divergence is {snapshot.divergence:.2g} of the velocity gradient"
         return f"divergence {snapshot.divergence:.2g}", f"{text}; resolved up to {LARGEST_DIVERGENCE:g}"
@@ -187,10 +172,7 @@ def _unresolved_state(scene: Any, snapshot: Snapshot) -> tuple[str, str] | None:
         return f"viscous force off by {found:.2g}", f"{text}; resolved up to {LARGEST_ADDED_POWER:g}"
     if snapshot.load_scatter is not None and snapshot.bodies is not None and snapshot.load_scatter[0] > LARGEST_SCATTER:
         found, number = snapshot.load_scatter[0], int(snapshot.load_scatter[1])
-        name, (x, y) = "force", snapshot.bodies.centre[number]
-        place = f"on the body at ({x:.4g}, {y:.4g})"
-        if any(isinstance(body, Inlet) for body in scene.bodies[number : number + 1]):
-            name, place = "pressure", "at the inlet"
+        name, place = scene.bodies[number].load_name(snapshot.bodies.centre[number])
         text = f"the {name} {place} scatters from step to step by {found:.2g} of its size"
         return f"{name} scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.velocity_scatter is not None and snapshot.velocity_scatter > LARGEST_SCATTER:

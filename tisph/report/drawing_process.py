@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from tisph.errors import TisphError
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 
@@ -104,7 +105,7 @@ class DrawingProcess:
 class RemoteMovie:
     """A movie (arguments as for ``tisph.report.movie.Movie``) that ``process`` draws; ``close`` raises errors."""
 
-    def __init__(self, process: DrawingProcess, path: str | Path, scene: Any, video: Any, title: str, end: float):
+    def __init__(self, process: DrawingProcess, path: str | Path, scene: Scene, video: Any, title: str, end: float):
         self._process = process
         shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
@@ -122,7 +123,7 @@ class RemoteMovie:
             each.result()
 
 
-def described(scene: Any, video: Any = None) -> list:
+def described(scene: Scene, video: Any = None) -> list:
     """Return both without the config's own types, which take another process a while to import."""
     video = [SimpleNamespace(**vars(video))] if video is not None else []
     return [replace(scene, units=SimpleNamespace(**vars(scene.units))), *video]

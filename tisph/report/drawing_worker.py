@@ -19,6 +19,7 @@ from typing import Any
 from tisph.errors import TisphError
 from tisph.report.movie import Movie
 from tisph.report.plots import history_figure, profile_figure
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 PLOTS: dict[str, Any] = {"profiles": profile_figure, "history": history_figure}
@@ -30,7 +31,7 @@ class Worker:
     def __init__(self) -> None:
         self._movie: Movie | None = None
 
-    def movie(self, path: Path, scene: Any, video: Any, title: str, end: float) -> None:
+    def movie(self, path: Path, scene: Scene, video: Any, title: str, end: float) -> None:
         """Begin a movie; arguments as for ``tisph.report.movie.Movie``."""
         self.abandon()
         self._movie = Movie(path, scene, video, title, end)
@@ -55,13 +56,13 @@ class Worker:
         with contextlib.suppress(Exception):
             self.close()
 
-    def still(self, scene: Any, video: Any, title: str, end: float, snapshot: Snapshot) -> bytes:
+    def still(self, scene: Scene, video: Any, title: str, end: float, snapshot: Snapshot) -> bytes:
         """Return the picture of ``snapshot`` as PNG."""
         picture = io.BytesIO()
         Movie("", scene, video, title, end).save_frame(picture, snapshot)
         return picture.getvalue()
 
-    def plots(self, scene: Any, wanted: dict[str, tuple]) -> dict[str, bytes]:
+    def plots(self, scene: Scene, wanted: dict[str, tuple]) -> dict[str, bytes]:
         """Return the plots ``wanted`` as PNG: arguments beside the scene by name, of ``PLOTS``.
 
         They are drawn side by side, where a process can be forked: at the end of a run all processors are free.

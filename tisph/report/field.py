@@ -21,6 +21,7 @@ from tisph.report import style
 from tisph.report.layout import Layout
 from tisph.report.quantities import Quantity
 from tisph.report.raster import Discs, Shades, blend
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 _STRIPES = 8  # along x
@@ -34,7 +35,7 @@ class Dye:
     Fluid that enters through an inlet is in bands across it, or behind a blob in one band: streaklines.
     """
 
-    def __init__(self, scene: Any, pattern: str):
+    def __init__(self, scene: Scene, pattern: str):
         self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
         self._pattern, self._share = pattern, getattr(self, f"_{pattern}")
         self._colours: np.ndarray | None = None
@@ -216,7 +217,7 @@ _DOT, _DOT_COVER = 1.4, 0.55  # radius in a frame of 1280 x 640, and cover, of p
 class FluidPainter:
     """Paints the fluid of ``scene`` into its box of ``layout``, coloured as ``quantity`` and ``video`` say."""
 
-    def __init__(self, scene: Any, layout: Layout, quantity: Quantity, video: Any):
+    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, video: Any):
         few = scene.extent[1] / scene.spacing <= _MOST_ROWS
         self.style = ("particles" if scene.parallel and few else "field") if video.style == "auto" else video.style
         self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape

@@ -8,6 +8,7 @@ import numpy as np
 
 from tisph.measures.metrics import field_error, relative_error, rms_error
 from tisph.measures.resolution import unresolved
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
 MINUS = "\N{MINUS SIGN}"
@@ -54,12 +55,12 @@ def axis_label(quantity: str, unit: str, exponent: int = 0) -> str:
     return f"{quantity} [{' '.join(parts)}]" if parts else quantity
 
 
-def coordinate_name(scene: Any, axis: str) -> str:
+def coordinate_name(scene: Scene, axis: str) -> str:
     """Return the name of the coordinate along the ``axis`` x or y: r of y where that is the distance from an axis."""
     return "r" if axis == "y" and scene.axisymmetric else axis
 
 
-def cut_name(profile: Any, scene: Any) -> str:
+def cut_name(profile: Any, scene: Scene) -> str:
     """Return the name of a ``Profile``, with the place of its line where the quantity depends on it: u at x = 0.5 m."""
     line = profile.line
     if line.half_width == np.inf:
@@ -135,7 +136,7 @@ def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], 
     return label
 
 
-def error_label(scene: Any, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
+def error_label(scene: Scene, field: tuple[str, str] | None = None) -> Callable[[Snapshot], str]:
     """Return a function snapshot -> relative error of the velocity in words, for example ``L2 error 1.5×10⁻³``.
 
     Where u crosses zero or decays (``vanishing_scale``), the relative error is large although the particles are right;

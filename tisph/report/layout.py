@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tisph.report import style
+from tisph.scenes._scene import Scene
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
 LONGEST_OPEN = 8.0  # heights likewise of a box with open ends: the flow is not periodic, and the outlet is a part of it
@@ -93,7 +94,7 @@ class Layout:
         return max(1, round(size * self.scale))
 
 
-def arrange(scene: Any, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
+def arrange(scene: Scene, width: int, height: int, theme: style.Theme = style.LIGHT) -> Layout:
     """Return the layout of a frame for the box of ``scene``, both axes to the same scale.
 
     There is space for plane walls where it has some, and a rim around the box where bodies bound it. The two panels are

@@ -48,13 +48,15 @@ from tisph.report.overlays import BodyTracks, Solids, StreamFunction, Streamline
 from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, measured
 from tisph.report.quantities import Extremes, Quantity, Spread, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
+from tisph.scenes._axisymmetric import AxisymmetricScene
+from tisph.scenes._scene import Scene
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 
 
-def build_figure(scene: Any, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
+def build_figure(scene: Scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet.
 
     ``quantity`` is the quantity of the colours and of the profile panel.
@@ -77,7 +79,7 @@ def build_figure(scene: Any, layout: Layout, title: str, quantity: Quantity, tim
 class _Stage:
     """The figure being drawn; ``overlay`` covers it all, in pixels from the top-left corner."""
 
-    def __init__(self, figure: Figure, scene: Any, layout: Layout):
+    def __init__(self, figure: Figure, scene: Scene, layout: Layout):
         self.figure, self.scene, self.layout, self.theme = figure, scene, layout, layout.theme
         self.overlay = figure.add_axes((0, 0, 1, 1), xlim=(0, layout.width), ylim=(layout.height, 0))
         self.overlay.set_axis_off()
@@ -247,7 +249,7 @@ class _Stage:
         self.overlay.add_patch(Rectangle((bar.left, bar.top), bar.width, bar.height, **settings))
 
 
-def _count(scene: Any) -> str:
+def _count(scene: Scene) -> str:
     """Return how many particles there are, in words."""
     lattice = f"{scene.columns} {TIMES} {scene.rows}" if not scene.bodies else str(scene.particles)
     return f"{lattice} particles"
@@ -282,7 +284,7 @@ class FrameRenderer:
 
     def __init__(
         self,
-        scene: Any,
+        scene: Scene,
         layout: Layout,
         video: Any,
         title: str,
@@ -342,7 +344,7 @@ class FrameRenderer:
         return steadiness(self.scene, t, (None, None, self._time_panel.history(t)))["steady"]
 
 
-def _overlays(scene: Any, name: str) -> list:
+def _overlays(scene: Scene, name: str) -> list:
     """Return the classes of the overlays, in the order of painting: overlay ``name``, if any, then bodies."""
     overlays = [_OVERLAYS[name]] if name in _OVERLAYS else []
     overlays += [Solids] if scene.bodies else []
@@ -362,7 +364,7 @@ class FullCut:
     ``half`` is the scene, ``sides``: of a body that is in one half alone 1 or -1, the sign of y there, else 0.
     """
 
-    def __init__(self, scene: Any):
+    def __init__(self, scene: AxisymmetricScene):
         self.half, radius = scene, scene.outer_radius
         self.origin, self.extent = (scene.origin[0], -radius), (scene.extent[0], 2.0 * radius)
         found = []  # number, side and body
@@ -394,12 +396,12 @@ class FullCut:
         return replace(snapshot, **double, reference=None, bodies=replace(given, **moved, **turned))
 
 
-def displayed(scene: Any) -> Any:
+def displayed(scene: Scene) -> Any:
     """Return the scene that a frame shows: a ``FullCut`` where axisymmetric flow reaches the axis."""
-    return FullCut(scene) if scene.axisymmetric and scene.origin[1] == 0.0 else scene
+    return FullCut(scene) if isinstance(scene, AxisymmetricScene) and scene.origin[1] == 0.0 else scene
 
 
-def _whole(scene: Any, snapshot: Snapshot) -> Snapshot:
+def _whole(scene: Scene, snapshot: Snapshot) -> Snapshot:
     """Return a snapshot as ``scene`` shows it: with its mirror image in a ``FullCut``."""
     return scene.mirrored(snapshot) if isinstance(scene, FullCut) else snapshot
 
@@ -432,7 +434,7 @@ class Movie:
     Raises TisphError if ffmpeg cannot start or stops early.
     """
 
-    def __init__(self, path: Path | str, scene: Any, video: Any, title: str, end: float):
+    def __init__(self, path: Path | str, scene: Scene, video: Any, title: str, end: float):
         self.path = Path(path)
         self._scene, self._video, self._title, self._end = scene, video, title, end
         self._shown: Any = displayed(scene)

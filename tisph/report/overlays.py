@@ -28,6 +28,7 @@ from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
 from tisph.report.layout import RIM, Layout
 from tisph.report.raster import LEVELS, Discs, Points, blend, dense_lines, filled
+from tisph.scenes._scene import Scene
 from tisph.snapshot import Bodies, Snapshot
 
 INK, LIGHT = style.TEXT, "#ffffff"
@@ -54,7 +55,7 @@ _MARK_LENGTH = 0.5 * RIM  # length of a mark over the longer side of the box
 class Solids:
     """Paints the bodies of ``scene`` where each snapshot says that they are, through periodic seams."""
 
-    def __init__(self, scene: Any, layout: Layout):
+    def __init__(self, scene: Scene, layout: Layout):
         self._layout = layout
         self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
@@ -215,7 +216,7 @@ class Tracks:
 
     width = 1.0  # of lines and dots
 
-    def __init__(self, scene: Any, layout: Layout):
+    def __init__(self, scene: Scene, layout: Layout):
         self._scene, self._layout = scene, layout
         self._seen: dict[float, np.ndarray] = {}
         self._count = 0
@@ -253,7 +254,7 @@ class BodyTracks(Tracks):
 
     width = _BODIES
 
-    def __init__(self, scene: Any, layout: Layout):
+    def __init__(self, scene: Scene, layout: Layout):
         super().__init__(scene, layout)
         self._free = [index for index, body in enumerate(scene.bodies) if body.free]
 
@@ -279,7 +280,7 @@ _TIP = 0.34  # pitches: length of the head of a long arrow
 class Vectors:
     """Paints arrows into the box of ``scene``; the longest is nearly twice as long as their distance."""
 
-    def __init__(self, scene: Any, layout: Layout):
+    def __init__(self, scene: Scene, layout: Layout):
         self._scene, self._layout = scene, layout
         self._pitch = max(1.0, _PITCH * layout.scale)
         self._rim = Discs(max(0.5, _RIM * layout.scale), layout.box.shape)
@@ -310,7 +311,7 @@ class Vectors:
 
 
 def mean_velocity(
-    scene: Any, places: np.ndarray, velocity: np.ndarray, points: np.ndarray
+    scene: Scene, places: np.ndarray, velocity: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the mean of ``velocity`` (n, 2) at the nearest of ``places`` (n, 2) around ``points`` (m, 2).
 
@@ -362,7 +363,7 @@ class Streamlines:
     step is the same in all frames: a flow twice as strong has twice as many lines.
     """
 
-    def __init__(self, scene: Any, layout: Layout):
+    def __init__(self, scene: Scene, layout: Layout):
         self._scene, self._layout, self.step = scene, layout, 0.0
         self._least_step = _RESTING * scene.reference_velocity * min(scene.extent) / _LINES
         self._strokes = Strokes(layout.scale, layout.box.shape)

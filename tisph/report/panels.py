@@ -11,6 +11,7 @@ from tisph.report.layout import Layout
 from tisph.report.overlays import Strokes
 from tisph.report.quantities import Ends, Extremes, Quantity, with_margin
 from tisph.report.raster import Discs, Points, blend, dense_line, dense_lines
+from tisph.scenes._scene import Scene
 from tisph.scenes._views import Line, TimeSeries
 from tisph.snapshot import Snapshot
 
@@ -25,7 +26,7 @@ class TimePanel:
     steady state, used where no exact values are known; NaN where unknown.
     """
 
-    def __init__(self, scene: Any, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
+    def __init__(self, scene: Scene, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
         self.series, self.times = series, (scene.start_time, end)
         self.colours = layout.theme.series[: len(series.columns)]
         self.exact_times = np.linspace(*self.times, _EXACT_TIMES)
@@ -105,7 +106,7 @@ class ProfilePanel:
     The grid is fitted to the values of the profile (``report/field.py``).
     """
 
-    def __init__(self, scene: Any, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
+    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
         self._scene, self._layout, self._quantity, self._grid = scene, layout, quantity, grid
         line, scale, inside = quantity.profile.line, layout.scale, layout.profile.inner.shape
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)

@@ -28,6 +28,7 @@ from tisph.report.labels import (
     number,
     unit_label,
 )
+from tisph.scenes._scene import Scene
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.snapshot import Snapshot
 
@@ -45,7 +46,7 @@ _SMALLEST = 1e-3  # half the height of the axes of a number, over its size: less
 
 
 def history_figure(
-    scene: Any, settings: dict, times: np.ndarray, values: np.ndarray, resolved: np.ndarray | None = None
+    scene: Scene, settings: dict, times: np.ndarray, values: np.ndarray, resolved: np.ndarray | None = None
 ) -> style.PlotFigure:
     """Return the numbers that ``scene`` follows in time: markers on their exact history, or lines where it has none.
 
@@ -161,7 +162,7 @@ def _curve_times(first: float, last: float, periods: float) -> np.ndarray:
     return np.union1d(early, even)
 
 
-def _label_axes(axes: Axes, scene: Any, kind: tuple[str, str], latest: float) -> None:
+def _label_axes(axes: Axes, scene: Scene, kind: tuple[str, str], latest: float) -> None:
     name, unit = kind
     time_exponent, exponent = axis_exponent(latest), axis_exponent(max(map(abs, axes.get_ylim())))
     axes.set_xlabel(axis_label("t", scene.units.time, time_exponent), parse_math=False)
@@ -181,7 +182,7 @@ Panel = tuple[Profile, bool]
 """A profile, and whether its error over its scale is shown."""
 
 
-def profile_figure(scene: Any, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
+def profile_figure(scene: Scene, snapshots: Sequence[Snapshot]) -> style.PlotFigure:
     """Return the profiles of ``scene`` at every snapshot with the exact curves, and their errors.
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
@@ -247,7 +248,7 @@ def _plot(axes: Axes, panel: Panel, snapshot: Snapshot, curve: tuple[np.ndarray,
     return line
 
 
-def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: Any) -> None:
+def _label_profile_axes(axes: Iterable[Axes], panels: Sequence[Panel], scene: Scene) -> None:
     shown: Any = zip(axes, panels, strict=False)
     for index, (one, (profile, error)) in enumerate(shown):
         name, unit = cut_name(profile, scene), unit_label(profile.unit, scene.units)
@@ -293,7 +294,7 @@ def _between(value: float) -> str:
 
 
 def plot_reading(path: Path, name: str, reading: Any, units: Any) -> None:
-    """Write a PNG of the curves of a ``measures.rheometry.Reading``, a row of axes for each of its ``Axes``.
+    """Write a PNG of the curves of a ``rheometry.viscometers.Reading``, a row of axes for each of its ``Axes``.
 
     ``units``: labels of the units of the config.
     """

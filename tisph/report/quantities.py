@@ -3,13 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.colors import Colormap
 
 from tisph.report import style
 from tisph.report.labels import unit_label
+from tisph.scenes._scene import Scene
 from tisph.scenes._views import MovieView, Profile
 
 _MARGIN = 0.08  # of the range of a panel, at both ends: overshoot stays in sight
@@ -43,7 +43,7 @@ class Quantity:
 
 
 def quantity(
-    view: MovieView, scene: Any, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None
+    view: MovieView, scene: Scene, limits: str | Sequence[float], ends: tuple[Ends, Ends] | None = None
 ) -> Quantity:
     """Return the quantity that ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
 

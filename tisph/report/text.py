@@ -16,6 +16,7 @@ from tisph.report import style
 from tisph.report.labels import fixed_point, number, unit_label
 from tisph.report.layout import Layout, Rect
 from tisph.report.raster import blend, filled
+from tisph.scenes._scene import Scene
 
 _SMALLEST = 6  # pixels: the smallest font that a text may shrink to
 
@@ -131,7 +132,7 @@ class WallLabel:
         self._arrows = [Rect(x - arrow // 2, top, arrow, px(_HEAD)) for x in centres] if self._speed else []
 
 
-def wall_labels(scene: Any, layout: Layout) -> list[WallLabel]:
+def wall_labels(scene: Scene, layout: Layout) -> list[WallLabel]:
     """Return the labels of the walls of ``scene``."""
     return [WallLabel(layout, layout.wall(side), motion, scene.units) for side, motion in scene.walls]
 
@@ -140,7 +141,7 @@ def wall_labels(scene: Any, layout: Layout) -> list[WallLabel]:
 class DriveLabel:
     """What drives the flow, in words and with an arrow, above the upper wall; nothing without any."""
 
-    scene: Any
+    scene: Scene
     layout: Layout
 
     @property

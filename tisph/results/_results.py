@@ -150,7 +150,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from tisph.config import Config
-    from tisph.measures.viscometers import Reading
+    from tisph.rheometry.viscometers import Reading
     from tisph.scenes._scene import Scene
 
 
@@ -368,8 +368,8 @@ class Results:
 
     def rheometry(self) -> "Reading":
         """Return the run read as a rheometer, its ``numbers`` by name; ConfigError where it is no flow of one."""
-        from tisph.measures.rheometry import read
-        from tisph.measures.viscometers import VISCOMETERS
+        from tisph.rheometry.rheometers import read
+        from tisph.rheometry.viscometers import VISCOMETERS
 
         config, history, scene = self.config, self.history, self._scene
         readable = config.scene in ("annulus", *VISCOMETERS)

@@ -1,7 +1,6 @@
 """The law of ``oldroyd_b.py`` for the explicit scheme, whose particles carry the stress S, not the conformation."""
 
-from typing import Any
-
+from tisph.measures.channel import ChannelFlow
 from tisph.runtime import scalar, ti
 
 
@@ -9,7 +8,8 @@ from tisph.runtime import scalar, ti
 class Stress:
     """The law of the polymer stress that particles carry: (xx, xy, yy) over the reference density."""
 
-    def __init__(self, channel: Any) -> None:
+    def __init__(self, channel: ChannelFlow) -> None:
+        assert channel.polymer
         self.relaxation_rate = scalar(1.0 / channel.polymer.relaxation_time)
         self.modulus = scalar(channel.polymer_viscosity / channel.polymer.relaxation_time)
 

@@ -1,13 +1,14 @@
 """Scenes: geometry, boundary motion and exact solution of a flow. One file each; ``_scene.py`` has the protocol."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tisph import registry
+from tisph.config.schema import Config
 
 if TYPE_CHECKING:
     from tisph.scenes._scene import Scene
 
 
-def of(config: Any) -> "Scene":
+def of(config: Config) -> "Scene":
     """Return the scene that ``config`` describes."""
     return registry.load("scenes", config.scene).Scene.from_config(config)

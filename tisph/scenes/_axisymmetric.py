@@ -168,10 +168,6 @@ class AxisymmetricScene(BodyScene):
         what = "the radius of the inner wall" + (f" times the fluid's index {index:g}" if index < 1.0 else "")
         return (index * self.inner_radius or np.inf, what), (self.extent[1], "the gap between the walls")
 
-    def open_section(self, t: float) -> float:
-        """Return the place along the axis of a cross-section without bodies at time ``t``."""
-        return 0.0
-
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields of a fluid at rest without stress."""
         around = STRESSES_AROUND[: None if self.swirls else 1] if self.polymer else ()
@@ -282,7 +278,8 @@ class AxisymmetricScene(BodyScene):
         length = length or ("the difference of the radii" if self.inner_radius else "the radius")
         if self.reference_velocity == self.fastest_wall:
             cause = "of the fastest wall or body"
-        return scales(self, length, cause or "an estimate: by load or drive, in a Newtonian fluid", cause is not None)
+        estimated = "an estimate: by load or drive, in a Newtonian fluid"
+        return scales(self, (self.inner_radius, self.outer_radius), length, cause or estimated, cause is not None)
 
 
 def cylinder(radius: float, length: float, outer: bool, **motion: Any) -> Body:

@@ -16,6 +16,7 @@ from tisph.bodies._clearance import LEAST_GAP, size_problems
 from tisph.bodies._clearance import problems as room_problems
 from tisph.config.base import Problem
 from tisph.config.motion import slip_length_of
+from tisph.config.schema import Config
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
@@ -43,7 +44,7 @@ MOMENTS = 25
 """Number of times at which the gaps between moving bodies are checked."""
 
 
-def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
+def cell_problems(config: Config, bodies: Sequence[Body], walls: dict[str, Body]) -> Iterator[Problem]:
     """Yield the errors in the ``config`` of a cell with these ``bodies``; ``walls`` by their names in messages."""
     if config.scheme.type == "wcsph" and config.bodies:
         yield "scheme.type", "wcsph cannot serve bodies yet; take auto or implicit"
@@ -80,7 +81,7 @@ def cell_problems(config: Any, bodies: Sequence[Body], walls: dict[str, Body]) -
     yield from found if listed else dict.fromkeys(_in_common(problem, config) for problem in found)
 
 
-def _in_common(problem: Problem, config: Any) -> Problem:
+def _in_common(problem: Problem, config: Config) -> Problem:
     """Return a problem of one body of a suspension with the key that all its bodies share.
 
     Bodies that are too close get the key of the cause: the least gap, or the motion.
@@ -104,12 +105,12 @@ class Surroundings:
     gravity: tuple[float, float]
 
     @classmethod
-    def of(cls, config: Any) -> "Surroundings":
+    def of(cls, config: Config) -> "Surroundings":
         """Return the surroundings that a ``config`` describes."""
         return cls(config.fluid.density, config.drive.acceleration, config.drive.gravity or (0.0, 0.0))
 
 
-def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] = (0.0, 0.0)) -> list[Body]:
+def bodies_of(config: Config, walls: dict[str, Body], origin: tuple[float, float] = (0.0, 0.0)) -> list[Body]:
     """Return the bodies in the fluid between these ``walls``, in a cell whose lowest corner is ``origin``.
 
     Its periods are infinite where there are walls. ValidationError where a suspension does not fit.
@@ -123,7 +124,7 @@ def bodies_of(config: Any, walls: dict[str, Body], origin: tuple[float, float] =
     return [body.body(periods, Surroundings.of(config)) for body in given]
 
 
-def walls_along(config: Any) -> dict[str, Body]:
+def walls_along(config: Config) -> dict[str, Body]:
     """Return the walls ``bottom`` and ``top`` of a ``config`` by name: planes along x, or of the shape of an outline.
 
     In axisymmetric flow no wall is where the axis is.
@@ -161,7 +162,7 @@ class DevelopedFlow:
     curvature: float
 
     @classmethod
-    def of(cls, config: Any) -> "DevelopedFlow":
+    def of(cls, config: Config) -> "DevelopedFlow":
         """Return the flow of a ``config``, whose walls have constant velocities."""
         speeds = config.walls.bottom.velocity or 0.0, config.walls.top.velocity or 0.0
         return cls(config.geometry.gap, *speeds, config.drive.acceleration / (2.0 * config.kinematic_viscosity))

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.geometry.body import POINTS, Body, smallest_gap
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.outline import EndToEnd
@@ -101,7 +102,7 @@ class CellFlow(BodyScene):
 
     @classmethod
     def around(
-        cls: type[_Kind], config: Any, bodies: Sequence[Body], enclosing: dict[str, Body], **others: Any
+        cls: type[_Kind], config: Config, bodies: Sequence[Body], enclosing: dict[str, Body], **others: Any
     ) -> _Kind:
         """Return the scene of a ``config`` with ``bodies`` in the fluid and the ``enclosing`` walls, by their names."""
         numbers = ("",) if len(bodies) == 1 else tuple(f"_{index}" for index in range(len(bodies)))

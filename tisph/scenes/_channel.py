@@ -20,14 +20,16 @@ from typing import Any
 import numpy as np
 
 from tisph.config.motion import slip_length_of
+from tisph.config.schema import Config
 from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.exact.start_up import Flow, StartUp, Wall, slipping
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
-from tisph.measures.channel import Probes, integral, interpolate, wall_shear, wall_velocity
+from tisph.measures.channel import ChannelFlow, Probes, integral, interpolate, wall_shear, wall_velocity
+from tisph.measures.flow import PolymerParameters
 from tisph.measures.metrics import fit_line, relative_difference
-from tisph.scenes._scene import PolymerParameters, Scene, age
+from tisph.scenes._scene import Scene, age
 from tisph.scenes._views import ExtraSeries, Line, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Snapshot
 
@@ -50,11 +52,11 @@ def _solved(
     return StartUp(fluid_of(rheology, kinematic_viscosity, density), flow, before)
 
 
-def wall_of(config: Any) -> WallMotion | StressControlledWall | Schedule:
-    """Return the motion of a wall of a config, or its stress."""
-    if config.velocities:
-        return Schedule(config.times, config.velocities)
-    return StressControlledWall.from_config(config) if config.stress_controlled else WallMotion.from_config(config)
+def wall_of(wall: Any) -> WallMotion | StressControlledWall | Schedule:
+    """Return the motion of a ``wall`` of a config, or its stress."""
+    if wall.velocities:
+        return Schedule(wall.times, wall.velocities)
+    return StressControlledWall.from_config(wall) if wall.stress_controlled else WallMotion.from_config(wall)
 
 
 def n1(snapshot: Any) -> np.ndarray:
@@ -63,22 +65,13 @@ def n1(snapshot: Any) -> np.ndarray:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Channel(Scene):
+class Channel(ChannelFlow, Scene):
     """Geometry, wall motion, drive, fluid and exact solution; all quantities in the config's units.
 
-    ``acceleration`` acts on the fluid along x; ``polymer`` is None without one. ``initial_state`` is ``rest`` (the
-    fluid starts from rest at t = 0), ``developed`` (the flow has developed before t = 0, under the walls' velocities
-    before) or ``exact`` (the flow that started at t = 0, from ``start_time`` on). ``slip_lengths`` [length] of the
-    (bottom, top) wall: the fluid at a wall is faster than the wall by slip length * shear stress / dynamic viscosity.
+    ``initial_state`` is ``rest`` (the fluid starts from rest at t = 0), ``developed`` (the flow has developed before
+    t = 0, under the walls' velocities before) or ``exact`` (the flow that started at t = 0, from ``start_time`` on).
     """
 
-    gap: float
-    length: float
-    bottom: WallMotion | StressControlledWall | Schedule
-    top: WallMotion | StressControlledWall | Schedule
-    acceleration: float = 0.0
-    polymer: PolymerParameters | None = None
-    slip_lengths: tuple[float, float] = (0.0, 0.0)
     initial_state: str
     start_time: float
 
@@ -88,7 +81,7 @@ class Channel(Scene):
     time_formula = "νt/H²"
 
     @classmethod
-    def from_config(cls, config: Any) -> "Channel":
+    def from_config(cls, config: Config) -> "Channel":
         """Return the scene that a validated config describes."""
         bottom, top = (slip_length_of(getattr(config.walls, side)) for side in SIDES)
         return cls(
@@ -107,28 +100,14 @@ class Channel(Scene):
         )
 
     @property
-    def extent(self) -> tuple[float, float]:
-        """Length and gap."""
-        return self.length, self.gap
-
-    @property
-    def _pair(self) -> tuple[Any, Any]:
-        return self.bottom, self.top
-
-    @property
     def walls(self) -> tuple[tuple[str, Any], ...]:
         """Both walls, the upper one first; for a stress-controlled wall, its motion in the reference."""
         motions: dict[str, Any] = {"top": self.top, "bottom": self.bottom}
         if self.driven_side is not None:
-            wall, height = self._pair[self.driven_side], self.gap * self.driven_side
+            wall, height = self.pair[self.driven_side], self.gap * self.driven_side
             moved = StressControlledMotion(wall, self._largest_speed(wall), lambda t: self.exact_velocity(height, t))
             motions[SIDES[self.driven_side]] = moved
         return tuple(motions.items())
-
-    @property
-    def driven_side(self) -> int | None:
-        """The stress-controlled wall: 0 the bottom, 1 the top one; None where the velocities of both are given."""
-        return next((side for side, wall in enumerate(self._pair) if wall.stress_controlled), None)
 
     @property
     def seeks_wall_velocity(self) -> bool:
@@ -138,7 +117,7 @@ class Channel(Scene):
     @property
     def reference_walls(self) -> tuple[Any, ...]:
         """The (bottom, top) wall of the exact solution, per unit density."""
-        walls = (wall.over(self.density) if wall.stress_controlled else wall for wall in self._pair)
+        walls = (wall.over(self.density) if wall.stress_controlled else wall for wall in self.pair)
         return tuple(self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
 
     def _slipping(self, wall: Any, slip_length: float) -> Any:
@@ -159,16 +138,16 @@ class Channel(Scene):
         the walls has developed, the velocity of the first wall, from the bottom, whose velocity does not change; or the
         bottom wall's velocity before it changes.
         """
-        if not self.starts_developed or any(wall.oscillates or wall.stress_controlled for wall in self._pair):
+        if not self.starts_developed or any(wall.oscillates or wall.stress_controlled for wall in self.pair):
             return 0.0
-        before = [self._velocity_before(wall) for wall in self._pair]
-        kept = [old for wall, old in zip(self._pair, before, strict=True) if wall.cosine == old]
+        before = [self._velocity_before(wall) for wall in self.pair]
+        kept = [old for wall, old in zip(self.pair, before, strict=True) if wall.cosine == old]
         return (kept or before)[0]
 
     @property
     def wall_speed(self) -> float:
         """The largest speed that a wall has, or had before t = 0, relative to ``frame_velocity``."""
-        return max(self._largest_speed(wall) for wall in self._pair)
+        return max(self._largest_speed(wall) for wall in self.pair)
 
     def _largest_speed(self, wall: Any) -> float:
         """Return the largest speed of a wall, or the speed at which a Newtonian fluid has the stress of the wall."""
@@ -208,11 +187,6 @@ class Channel(Scene):
         return self.viscous_time
 
     @property
-    def polymer_viscosity(self) -> float:
-        """Kinematic viscosity that the polymer adds; 0 without polymer."""
-        return self.kinematic_viscosity * (1.0 - self.polymer.solvent_fraction) if self.polymer else 0.0
-
-    @property
     def elastic_speed(self) -> float:
         """Speed sqrt(polymer viscosity / relaxation time) of shear waves in the polymer; 0 without polymer."""
         return float(np.sqrt(self.polymer_viscosity / self.polymer.relaxation_time)) if self.polymer else 0.0
@@ -223,7 +197,7 @@ class Channel(Scene):
 
         This depends on the flow alone, not on the length of a run: the same flow has the same error measure everywhere.
         """
-        if any(wall.oscillates or wall.stress_controlled for wall in self._pair):
+        if any(wall.oscillates or wall.stress_controlled for wall in self.pair):
             return True
         slowest = max(self.viscous_time, self.polymer.relaxation_time if self.polymer else 0.0)
         # The slowest mode decays as exp(-pi^2 t*): at t* = 3 nothing of a start is left.
@@ -252,7 +226,7 @@ class Channel(Scene):
         if self.start_time > 0:
             return 0.0, 0.0
         return tuple(
-            0.0 if wall.stress_controlled else wall.velocity(0.0) - self._velocity_before(wall) for wall in self._pair
+            0.0 if wall.stress_controlled else wall.velocity(0.0) - self._velocity_before(wall) for wall in self.pair
         )
 
     @property
@@ -262,7 +236,7 @@ class Channel(Scene):
         The developed flow of an oscillating wall is known only for a Newtonian fluid.
         """
         linear = self.rheology is None or (
-            self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in self._pair)
+            self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in self.pair)
         )
         return linear and not self.seeks_wall_velocity
 
@@ -270,7 +244,7 @@ class Channel(Scene):
         """Return the same flow in a frame that moves with ``frame_velocity``."""
         if self.frame_velocity == 0.0:
             return self
-        bottom, top = (wall.relative_to(self.frame_velocity) for wall in self._pair)
+        bottom, top = (wall.relative_to(self.frame_velocity) for wall in self.pair)
         return replace(self, bottom=bottom, top=top)
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
@@ -294,7 +268,7 @@ class Channel(Scene):
 
         Infinite, and no name, in a developed flow that does not change.
         """
-        named = tuple(zip(SIDES, self._pair, strict=True))
+        named = tuple(zip(SIDES, self.pair, strict=True))
         ages = {name: self._age(wall, t) for name, wall in named}
         layers, since = [], min(ages.values())
         if since < math.inf:
@@ -328,7 +302,7 @@ class Channel(Scene):
         if self.starts_developed:
             walls = (
                 wall if wall.oscillates else Wall(wall.cosine if wall.before is None else wall.before)
-                for wall in self._pair
+                for wall in self.pair
             )
             bottom, top = (self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
             before = Flow(self.gap, bottom, top, self.acceleration)
@@ -358,13 +332,6 @@ class Channel(Scene):
         """Return the exact polymer stresses S_xx, S_xy, S_yy (3, ...) [mass/(length time^2)]."""
         return self.density * self._flow.polymer_stress(y, t)
 
-    def viscous_stress(self, shear_rate: Any) -> Any:
-        """Return the shear stress of the solvent, or of an inelastic fluid, at a ``shear_rate``."""
-        if self.rheology is None or self.polymer:
-            return self.density * self.solvent_viscosity * shear_rate
-        law = self.rheology.law(self.kinematic_viscosity, self.density)
-        return self.density * law.viscosity(shear_rate**2) * shear_rate
-
     def apparent_viscosity(self, viscosity: complex, angular_frequency: float) -> complex:
         """Return the stress at an oscillating wall over its speed/gap, in a fluid of the complex ``viscosity``."""
         return apparent_viscosity(viscosity, angular_frequency, self.density, self.gap)
@@ -380,7 +347,7 @@ class Channel(Scene):
             return None
         if self.rheology is None or self.rheology.type == "oldroyd_b":
             return drive * self.gap**2 / (12.0 * self.kinematic_viscosity) * self._slip_factor
-        if self.seeks_wall_velocity or any(wall.oscillates for wall in self._pair):
+        if self.seeks_wall_velocity or any(wall.oscillates for wall in self.pair):
             return None
         if self.bottom.cosine != self.top.cosine:
             return None
@@ -441,7 +408,7 @@ class Channel(Scene):
         if self.driven_side is not None:
             found["plate_velocity"] = wall_velocity(self, self.driven_side, snapshot)
             found["plate_velocity_exact"] = self.exact_velocity(self.gap * self.driven_side, t)
-        for side, wall in enumerate(self._pair):
+        for side, wall in enumerate(self.pair):
             if self.slip_lengths[side]:
                 name, motion = f"slip_velocity_{SIDES[side]}", wall.velocity(t)
                 found[name] = wall_velocity(self, side, snapshot) - motion
@@ -459,14 +426,14 @@ class Channel(Scene):
         between walls that neither are stress-controlled nor follow a schedule.
         """
         plain = self.polymer is None and self.rheology is None
-        if plain and not any(wall.stress_controlled or wall.jump_times for wall in self._pair):
+        if plain and not any(wall.stress_controlled or wall.jump_times for wall in self.pair):
             return None
         columns = [f"{name}_{side}" for name in ("wall_shear", "wall_velocity") for side in SIDES]
 
         def measure(snapshot: Snapshot) -> np.ndarray:
             velocities = [
                 wall_velocity(self, side, snapshot) if wall.stress_controlled else float(wall.velocity(snapshot.t))
-                for side, wall in enumerate(self._pair)
+                for side, wall in enumerate(self.pair)
             ]
             normal = [np.mean(n1(snapshot))] if self.polymer else []
             return np.array([*wall_shear(self, snapshot), *velocities, *normal])
@@ -474,7 +441,7 @@ class Channel(Scene):
         def final(times: np.ndarray, values: np.ndarray) -> np.ndarray:
             ways = [
                 integral(times, values[:, 2 + side]) if wall.stress_controlled else wall.displacement(times)
-                for side, wall in enumerate(self._pair)
+                for side, wall in enumerate(self.pair)
             ]
             exact = [*self.exact_wall_shear(times), *(wall.velocity(times) for _, wall in reversed(self.walls))]
             strain = (ways[1] - ways[0]) / self.gap

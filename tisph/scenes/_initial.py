@@ -1,12 +1,12 @@
 """Sections of a config that scenes share: start, drive and contact; and the checks of start and periods."""
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole
-from tisph.config.checks import LEAST_IN_PERIOD
+from tisph.config.schema import LEAST_IN_PERIOD, Config
 
 
 class Drive(Model):
@@ -33,7 +33,7 @@ class Contact(Model):
     distance: Positive
 
 
-def still_problem(config: Any, key: str, remedy: str) -> Iterator[Problem]:
+def still_problem(config: Config, key: str, remedy: str) -> Iterator[Problem]:
     """Yield an error at ``key`` of a ``config`` in which nothing moves, unless it gives a reference velocity."""
     if not config.reference:
         text = "nothing moves: " + remedy
@@ -68,7 +68,7 @@ class Initial(Model):
     seed: Annotated[Whole, Field(ge=0, le=2**63 - 1)] = 0
 
 
-def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
+def start_problems(config: Config, walls: Sequence[str]) -> Iterator[Problem]:
     """Yield the errors in the start of the ``config`` of a scene with these ``walls``."""
     state = config.initial.state
     if state == "exact" and config.initial.time == 0:
@@ -82,7 +82,7 @@ def start_problems(config: Any, walls: Sequence[str]) -> Iterator[Problem]:
             yield f"walls.{side}.{wall.speed_key}_before", f"{text}: take state developed, or exact with a time"
 
 
-def incommensurate_periods(config: Any) -> Iterator[Problem]:
+def incommensurate_periods(config: Config) -> Iterator[Problem]:
     """Yield an error for each period with too few particles."""
     for periodic, size, key in zip(config.periodic, config.extent, ("length", "height"), strict=True):
         if periodic and round(size / config.spacing) < LEAST_IN_PERIOD:

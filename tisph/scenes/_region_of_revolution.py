@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tisph.config.base import Problem
+from tisph.config.schema import Config
 from tisph.geometry.body import Body, gap
 from tisph.geometry.line import Line
 from tisph.measures.fits import section_mean
@@ -27,7 +28,7 @@ POINTS = 100
 """Points on each wall for the gaps between walls."""
 
 
-def stream_problems(config: Any, walls: dict[str, Body]) -> Iterator[Problem]:
+def stream_problems(config: Config, walls: dict[str, Body]) -> Iterator[Problem]:
     """Yield the errors in a ``config`` with open ends around an axis, between ``walls`` by their keys."""
     given = config.ends.inlet
     if given is None:
@@ -78,7 +79,7 @@ class RegionOfRevolution(AxisymmetricScene):
     singular: bool
 
     @classmethod
-    def around(cls, config: Any, bodies: dict[str, Body], walls: dict[str, Body]) -> "RegionOfRevolution":
+    def around(cls, config: Config, bodies: dict[str, Body], walls: dict[str, Body]) -> "RegionOfRevolution":
         """Return the scene of a validated ``config`` with ``bodies`` in the fluid and ``walls`` around it, by name."""
         (left, low), (right, high) = config.box.tolist()
         return cls(
@@ -161,7 +162,7 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
     initial_velocity: Callable[..., Any] | None = None
 
     @classmethod
-    def around(cls, config: Any, bodies: dict[str, Body], walls: dict[str, Body]) -> "StreamOfRevolution":
+    def around(cls, config: Config, bodies: dict[str, Body], walls: dict[str, Body]) -> "StreamOfRevolution":
         """Return the scene of a validated ``config`` with ``bodies`` in the fluid between ``walls``, by their names."""
         low, across = config.geometry.inner_radius, config.extent[1]
         inlet, outlet = inlet_and_outlet(config).values()

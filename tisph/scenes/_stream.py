@@ -15,6 +15,7 @@ from numpy.polynomial import Polynomial
 
 from tisph.config.base import Problem
 from tisph.config.ends import Table
+from tisph.config.schema import Config
 from tisph.exact._fluids import fluid_of
 from tisph.exact.flow_rate import ChangingProfile
 from tisph.exact.uniform_shear import UniformShear
@@ -27,6 +28,7 @@ from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
 from tisph.scenes._cell_flow import LOADS, PLACES, VELOCITY
+from tisph.scenes._scene import BodyScene
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
 
@@ -36,6 +38,15 @@ leave a void at the outlet."""
 
 BEYOND = 4, 40
 """Degree and number of particles of fits that extrapolate a pressure to walls and ends."""
+
+
+LARGEST_BACKFLOW = 0.01
+"""Largest velocity into the fluid at an outlet in a resolved sample, over the reference velocity: that fluid has an
+unknown past, and an outlet without stress may become unstable with it."""
+
+LARGEST_IMBALANCE = 0.01
+"""Largest difference of the flow rates through inlet and outlet in a resolved sample, over the reference velocity times
+the width of the inlet: velocities behind a body or a step have at least this error."""
 
 
 def course_of(given: Any) -> Any:
@@ -49,7 +60,7 @@ def course_of(given: Any) -> Any:
     return Course(given.velocity or 0.0, wave)
 
 
-def heights_at(config: Any, side: str) -> tuple[float, float]:
+def heights_at(config: Config, side: str) -> tuple[float, float]:
     """Return the heights of the bottom and the top wall at the end ``side`` (left, right) of the channel.
 
     Around an axis these are the radii of the inner and the outer wall.
@@ -60,7 +71,7 @@ def heights_at(config: Any, side: str) -> tuple[float, float]:
     return lowest if low is None else low, lowest + config.extent[1] if high is None else high
 
 
-def end_lines(config: Any) -> dict[str, Line]:
+def end_lines(config: Config) -> dict[str, Line]:
     """Return the lines of the ``left`` and ``right`` end of a channel, whose normals are into the fluid."""
     (left_low, left_high), (low, high) = (heights_at(config, side) for side in ("left", "right"))
     return {
@@ -69,7 +80,7 @@ def end_lines(config: Any) -> dict[str, Line]:
     }
 
 
-def inlet_and_outlet(config: Any) -> dict[str, Any]:
+def inlet_and_outlet(config: Config) -> dict[str, Any]:
     """Return the ``Inlet`` and the ``Outlet`` of a ``config``, in this order, by their sides."""
     places, around = end_lines(config), config.axisymmetric
     sides = sorted(places, key=lambda side: getattr(config.ends, side).type)
@@ -100,7 +111,7 @@ class InletFlow:
         return found.reshape(len(found), *np.shape(x))
 
 
-def changing_profile(config: Any, profile: InletProfile, low: float, high: float) -> ChangingProfile | None:
+def changing_profile(config: Config, profile: InletProfile, low: float, high: float) -> ChangingProfile | None:
     """Return what the profile of developed flow has beside ``profile`` times the mean velocity; None for nothing.
 
     Developed flow has nothing else where its mean velocity is constant, and without inertia.
@@ -115,7 +126,7 @@ def changing_profile(config: Any, profile: InletProfile, low: float, high: float
     return ChangingProfile(low, high, profile.value, fluid.solvent_viscosity, modes, course, config.axisymmetric)
 
 
-def least_inflow(config: Any) -> tuple[float, float]:
+def least_inflow(config: Config) -> tuple[float, float]:
     """Return the smallest mean velocity through the inlet of a ``config`` during its run, and its time."""
     given, course, times = config.ends.inlet, course_of(config.ends.inlet), [0.0, config.time.end]
     if given.velocities:
@@ -126,12 +137,12 @@ def least_inflow(config: Any) -> tuple[float, float]:
     return min((float(course.velocity(t)), t) for t in times if t <= config.time.end)
 
 
-def depends_on_flow_rate(config: Any) -> bool:
+def depends_on_flow_rate(config: Config) -> bool:
     """Return whether the profile of the inlet changes with its mean velocity: developed flow of a non-linear fluid."""
     return config.ends.inlet.profile == "developed" and config.fluid.rheology.type not in ("newtonian", "oldroyd_b")
 
 
-def profile_of(config: Any, low: float, high: float) -> InletProfile:
+def profile_of(config: Config, low: float, high: float) -> InletProfile:
     """Return the profile of the inlet of a ``config`` between these heights, with a mean of 1."""
     from scipy.interpolate import CubicSpline
 
@@ -182,7 +193,7 @@ class BetweenPipes:
         return part, 2.0 / (1.0 + k**2 + part)
 
 
-def _profile_around_axis(config: Any, low: float, high: float) -> InletProfile:
+def _profile_around_axis(config: Config, low: float, high: float) -> InletProfile:
     """Return the profile over the radius from ``low`` to ``high``, with a mean of 1 over the area of the inlet."""
     from scipy.interpolate import CubicSpline
 
@@ -207,7 +218,7 @@ def _profile_around_axis(config: Any, low: float, high: float) -> InletProfile:
     return InletProfile(profile, profile.derivative())
 
 
-def end_problems(config: Any) -> Iterator[Problem]:
+def end_problems(config: Config) -> Iterator[Problem]:
     """Yield the errors in the config of a flow through open ends."""
     if config.drive.acceleration:
         yield "drive.acceleration", "must be 0: the inlet drives the flow"
@@ -217,7 +228,7 @@ def end_problems(config: Any) -> Iterator[Problem]:
     yield from profile_problems(config)
 
 
-def profile_problems(config: Any) -> Iterator[Problem]:
+def profile_problems(config: Config) -> Iterator[Problem]:
     """Yield the error in the profile of the inlet of a ``config``, if there is one."""
     if not config.ends.inlet:
         return
@@ -244,15 +255,8 @@ def profile_problems(config: Any) -> Iterator[Problem]:
         yield f"{key}.velocities", "must be more points: the cubic spline through these is negative in between"
 
 
-class OpenEnded:
+class OpenEnded(BodyScene):
     """Members of scenes whose last two ``bodies`` are an inlet and an outlet, or two outlets."""
-
-    bodies: tuple[Body, ...]
-    spacing: float
-    region: Region
-    axisymmetric: bool
-    start_time: float
-    reference_velocity: float
 
     @cached_property
     def _filled(self) -> Region:
@@ -337,6 +341,19 @@ class OpenEnded:
         drop = math.nan if self._jumps else at_ends[0] - at_ends[1]
         return {"inflow": inflow, "outflow": outflow, "pressure_drop": drop}
 
+    def unresolved_ends(self, snapshot: Snapshot) -> tuple[str, str] | None:
+        """Return a short text and the reason if fluid flows back in, or if flow rates differ, else None."""
+        if snapshot.backflow is not None and snapshot.backflow > LARGEST_BACKFLOW * self.reference_velocity:
+            found = snapshot.backflow / self.reference_velocity
+            text = f"fluid flows in through the outlet, with up to {found:.2g} of the reference velocity"
+            return f"backflow {found:.2g}", f"{text}; resolved up to {LARGEST_BACKFLOW:g}: move the outlet away"
+        if snapshot.flow_rates is not None:
+            found = abs(snapshot.flow_rates.sum()) / (self.reference_velocity * self.inlet.shape.length)
+            if found > LARGEST_IMBALANCE:
+                text = f"flow rates through inlet and outlet differ by {found:.2g} of that of the reference velocity"
+                return f"flow rates differ by {found:.2g}", f"{text}; resolved up to {LARGEST_IMBALANCE:g}"
+        return None
+
     def balance(self, snapshot: Snapshot, flows: Mapping[str, float]) -> dict[str, float]:
         """Return ``mass_imbalance`` and ``backflow``, for the ``velocities`` of a snapshot, ``flows``."""
         imbalance = (flows["inflow"] - flows["outflow"]) / (self.reference_velocity * self.inlet.area)
@@ -363,7 +380,7 @@ class Stream(OpenEnded, Cell):
     without_bodies = "the inlet"
 
     @classmethod
-    def from_config(cls, config: Any) -> "Cell":
+    def from_config(cls, config: Config) -> "Cell":
         """Return the scene that a validated config describes."""
         walls, ends = walls_along(config), inlet_and_outlet(config)
         bodies = bodies_of(config, {**walls, **ends})
@@ -533,7 +550,7 @@ class PressureStream(Stream):
     """Flow through a channel that the pressures of its ends drive: of the last two ``bodies``, the first is higher."""
 
     @classmethod
-    def from_config(cls, config: Any) -> "Cell":
+    def from_config(cls, config: Config) -> "Cell":
         """Return the scene that a validated config describes."""
         length, gap = config.geometry.length, config.geometry.gap
         walls = walls_along(config)

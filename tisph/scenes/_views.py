@@ -16,6 +16,7 @@ from tisph.measures.fits import (
     vorticity,
     with_walls,
 )
+from tisph.measures.flow import FlowInBox
 from tisph.measures.metrics import with_reference
 from tisph.snapshot import Snapshot
 
@@ -65,7 +66,7 @@ class Line:
         """Return places (x, y) at ``coordinates`` along the line; they broadcast."""
         return (coordinates, self.place) if self.along == "x" else (self.place, coordinates)
 
-    def in_fluid(self, scene: Any, coordinates: np.ndarray, t: float) -> np.ndarray:
+    def in_fluid(self, scene: FlowInBox, coordinates: np.ndarray, t: float) -> np.ndarray:
         """Return whether the points at ``coordinates`` (n,) are outside all bodies of ``scene`` at time ``t``."""
         places = np.stack(np.broadcast_arrays(*self.points(coordinates)), axis=1)
         wet = np.ones(len(places), dtype=bool)
@@ -115,7 +116,7 @@ class Profile:
     reference: str = "exact"
     steady: bool = False
 
-    def interpolated(self, scene: Any, snapshot: Snapshot, coordinates: np.ndarray) -> np.ndarray:
+    def interpolated(self, scene: FlowInBox, snapshot: Snapshot, coordinates: np.ndarray) -> np.ndarray:
         """Return the quantity at ``coordinates`` (n,) along the line, interpolated between particles (n,).
 
         By the least-squares fits of ``measures/fits.py``, for velocities also to points on walls; NaN in bodies, after
@@ -148,7 +149,7 @@ class Profile:
         return self.exact(*places, np.linspace(start, end, _TIMES)[None, :]).ravel()
 
 
-def walled(scene: Any, snapshot: Snapshot) -> Snapshot:
+def walled(scene: FlowInBox, snapshot: Snapshot) -> Snapshot:
     """Return a ``snapshot`` that has a particle with the velocity of the wall at each point of ``fits.with_walls``."""
     (x, y), (u, v) = (part.T for part in with_walls(scene, snapshot))
     w = snapshot.w
@@ -263,7 +264,7 @@ class Colour:
     fields: tuple[str, ...] = ()
 
 
-def _strain(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _strain(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return the rate of strain D_xx, D_yy, D_tt, D_xy, D_xt, D_yt at the particles (6, particles); t: around an axis.
 
     In axisymmetric flow D_tt = v/y, D_xt = (dw/dx)/2 and D_yt = (dw/dy - w/y)/2; else these are 0.
@@ -282,13 +283,13 @@ def _contracted(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return (one * other * [[1.0], [1.0], [1.0], [2.0], [2.0], [2.0]]).sum(axis=0)
 
 
-def _shear_rate(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _shear_rate(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return sqrt(2 D:D), |du/dy| in parallel flow."""
     strain = _strain(scene, snapshot)
     return np.sqrt(2.0 * _contracted(strain, strain))
 
 
-def _viscosity(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _viscosity(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return the dynamic viscosity S:D/(2 D:D) of the whole extra stress S; NaN where nothing is deformed.
 
     Of an inelastic fluid it is the viscosity of its law at the shear rate; of a polymer solution, the solvent's and the
@@ -307,24 +308,25 @@ def _viscosity(scene: Any, snapshot: Snapshot) -> np.ndarray:
     return scene.density * scene.solvent_viscosity + shared
 
 
-def _shear_stress(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _shear_stress(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return the polymer's shear stress, or without polymer mu (du/dy + dv/dx), mu being the local viscosity."""
     if snapshot.stress_xy is not None:
         return snapshot.stress_xy
     return 2.0 * _viscosity(scene, snapshot) * _strain(scene, snapshot)[3]
 
 
-def _conformation_trace(scene: Any, snapshot: Any) -> np.ndarray:
+def _conformation_trace(scene: FlowInBox, snapshot: Any) -> np.ndarray:
     """Return tr A for a polymer stress S = G (A - 1) of modulus G: 2 + (S_xx + S_yy)/G in planar flow.
 
     In axisymmetric flow tr A = 3 + (S_xx + S_yy + S_tt)/G, with the stress S_tt around the axis.
     """
+    assert scene.polymer
     viscosity = (1.0 - scene.polymer.solvent_fraction) * scene.dynamic_viscosity
     plane = 2.0 + (snapshot.stress_xx + snapshot.stress_yy) * scene.polymer.relaxation_time / viscosity
     return plane + 1.0 + snapshot.stress_tt * scene.polymer.relaxation_time / viscosity if scene.axisymmetric else plane
 
 
-def _error(scene: Any, snapshot: Snapshot) -> np.ndarray:
+def _error(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return |u - u_exact|; a velocity component without a reference is compared with 0."""
     names = [name for name in ("u", "v", "w") if getattr(snapshot, name) is not None]
     exact = with_reference(scene, snapshot, [name for name in names if name in scene.fields]).reference or {}
@@ -364,32 +366,10 @@ ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}
 """Colour -> field whose error is written beside the movie, and its name in words; other movies show the velocity's."""
 
 
-def movie_view(scene: Any, name: str, end: float) -> MovieView:
-    """Return the view of a movie to time ``end`` coloured by ``name``, with the scene's own profile if it has one.
-
-    The range is known before the run if that profile has an exact solution at all times.
-    """
-    colour, own = COLOURS[name], scene.movie_profiles()
-    profile = own.get(name)
-    of = profile.of if profile and colour.words != "speed" else lambda snapshot: colour.of(scene, snapshot)
-    words = profile.name if profile and colour.unit == "stress" and name != "pressure" else colour.words
-    words = f"polymer {words}" if scene.polymer and words == "shear stress" else words
-    known = profile and profile.exact and "u" in scene.fields
-    return MovieView(
-        name=words,
-        signed=colour.signed,
-        of=of,
-        profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
-        ends=scene.movie_ends(profile, end) if known else None,
-        values=profile.spread(scene.start_time, end) if known else None,
-        error=ERRORS[name] if ERRORS.get(name, ("",))[0] in scene.fields else None,
-    )
-
-
 # Quantities of two-dimensional flow ----------------------------------------------------------------------------------
 
 
-def centre_line(scene: Any, along: str) -> Line:
+def centre_line(scene: FlowInBox, along: str) -> Line:
     """Return the line ``along`` x or y through the middle of the box, with the particles within half a spacing.
 
     Rows of a lattice that are half a spacing away on both sides count, whatever the round-off.
@@ -399,7 +379,7 @@ def centre_line(scene: Any, along: str) -> Line:
     return Line(along, ends[axis], 0.5 * sum(ends[1 - axis]), half_width=(0.5 + ROUNDING) * scene.spacing)
 
 
-def velocity_profile(scene: Any, field: str, along: str, **reference: Any) -> Profile:
+def velocity_profile(scene: FlowInBox, field: str, along: str, **reference: Any) -> Profile:
     """Return the Profile of the velocity ``field`` on the centre line ``along`` x or y.
 
     ``reference``: ``exact``, ``scale`` and ``reference`` of the Profile.
@@ -408,7 +388,7 @@ def velocity_profile(scene: Any, field: str, along: str, **reference: Any) -> Pr
     return Profile(field, "velocity", line, of=lambda snapshot: getattr(snapshot, field), **reference)
 
 
-def pressure_profile(scene: Any, line: Line) -> Profile:
+def pressure_profile(scene: FlowInBox, line: Line) -> Profile:
     """Return the Profile of the pressure on a ``line``, shifted so that its mean error over all particles is 0."""
 
     def exact(x: Any, y: Any, t: Any) -> np.ndarray:
@@ -421,13 +401,12 @@ def pressure_profile(scene: Any, line: Line) -> Profile:
     return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)
 
 
-def vorticity_profile(scene: Any, line: Line) -> Profile:
-    """Return the Profile of the vorticity on a ``line``."""
-    exact = scene.exact_vorticity
+def vorticity_profile(scene: FlowInBox, line: Line, exact: Callable) -> Profile:
+    """Return the Profile of the vorticity on a ``line`` with its ``exact`` value, a function of places and time."""
     return Profile("vorticity", "rate", line, of=lambda snapshot: vorticity(scene, snapshot, degree=2), exact=exact)
 
 
-def velocity_errors(scene: Any, snapshot: Snapshot, u: np.ndarray, v: np.ndarray) -> dict[str, float]:
+def velocity_errors(scene: FlowInBox, snapshot: Snapshot, u: np.ndarray, v: np.ndarray) -> dict[str, float]:
     """Return ``l2``, ``rms`` and ``linf`` of ``sample_metrics`` against ``u``, ``v`` (particles,) of a steady flow."""
     squares, speed = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2, scene.reference_velocity
     return {
@@ -442,7 +421,7 @@ def kinetic_energy(snapshot: Snapshot) -> float:
     return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
 
 
-def energy_series(scene: Any) -> TimeSeries:
+def energy_series(scene: FlowInBox) -> TimeSeries:
     """Return the ``TimeSeries`` of the kinetic energy, without a reference."""
     return TimeSeries(
         content="mean kinetic energy per mass over time t",
@@ -455,7 +434,7 @@ def energy_series(scene: Any) -> TimeSeries:
     )
 
 
-def planar_diagnostics(scene: Any, snapshot: Snapshot) -> tuple[float, dict[str, Any]]:
+def planar_diagnostics(scene: FlowInBox, snapshot: Snapshot) -> tuple[float, dict[str, Any]]:
     """Return the mean square of the vorticity, and the diagnostics of a planar flow that need no reference.
 
     ``divergence_over_gradient``: largest |div u| over the largest velocity gradient (Frobenius norm), None at rest;

@@ -37,6 +37,7 @@ from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes._initial import Initial, start_problems, still_problem
 from tisph.scenes._scene import BodyScene, age, bodies_in
+from tisph.scenes._scene import Scene as AnyScene
 from tisph.scenes._views import (
     ExtraSeries,
     Profile,
@@ -121,7 +122,7 @@ class BetweenCylinders(BodyScene):
     time_formula = "νt/H²"
 
     @classmethod
-    def from_config(cls, config: Any) -> "BetweenCylinders":
+    def from_config(cls, config: "Config") -> "BetweenCylinders":
         """Return the scene that a validated config describes."""
         inner, outer = (turning_of(wall) for wall in (config.walls.inner, config.walls.outer))
         return cls(
@@ -220,7 +221,7 @@ class BetweenCylinders(BodyScene):
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""
-        lines = scales(self, "the gap", "of the fastest wall")
+        lines = scales(self, (self.inner_radius, self.outer_radius), "the gap", "of the fastest wall")
         if self.polymer:
             lines.append(("Weissenberg number", f"{self.weissenberg:.4g}  (relaxation time * U / H)"))
             lines.append(("elasticity number", f"{self.elasticity:.4g}  (relaxation time * nu / H^2)"))
@@ -234,8 +235,10 @@ def turning_of(wall: Any) -> WallMotion | Schedule:
     return WallMotion.from_config(wall)
 
 
-def scales(scene: Any, gap: str, speed: str, known: bool = True) -> list[tuple[str, str]]:
-    """Return pairs (label, text) for a flow between radii.
+def scales(
+    scene: AnyScene, radii: tuple[float, float], gap: str, speed: str, known: bool = True
+) -> list[tuple[str, str]]:
+    """Return pairs (label, text) for a flow between ``radii``.
 
     ``gap`` names the reference length H in words, ``speed`` the cause of the reference velocity U; ``known``: whether U
     is exact.
@@ -249,7 +252,7 @@ def scales(scene: Any, gap: str, speed: str, known: bool = True) -> list[tuple[s
         (scene.velocity_name("speed U"), f"{about}{scene.reference_velocity:.{digits}g} {length}/{time}, {speed}"),
         ("length H", f"{scene.reference_length:.6g} {length}, {gap}"),
         ("kinematic viscosity nu", f"{scene.kinematic_viscosity:.6g} {length}^2/{time}"),
-        ("radii", f"{scene.inner_radius:.6g} and {scene.outer_radius:.6g} {length}"),
+        ("radii", f"{radii[0]:.6g} and {radii[1]:.6g} {length}"),
         ("viscous time", f"{scene.viscous_time:.6g} {time}  (H^2 / nu)"),
     ]
 
@@ -378,7 +381,7 @@ class Annulus(BetweenCylinders):
         scale = (self.reference_velocity, self.velocity_name("speed of the fastest wall"))
         found = {
             "speed": Profile("u_θ", "velocity", radius, of=self.around, exact=self.exact_around, scale=scale),
-            "vorticity": vorticity_profile(self, radius),
+            "vorticity": vorticity_profile(self, radius, self.exact_vorticity),
             "pressure": pressure_profile(self, radius),
         }
         if not self.polymer:
@@ -534,7 +537,7 @@ class Cylinders(Model):
 class Walls(Cylinders):
     """The two cylinders, and how scheme ``wcsph`` treats their walls: null for its own choice."""
 
-    treatment: Annotated[Model, WallTreatment] | None = None
+    treatment: Annotated[Any, WallTreatment] | None = None
 
 
 class Config(schema.Config):
@@ -574,7 +577,7 @@ class Config(schema.Config):
         return self.initial.time
 
     @property
-    def members(self) -> dict[str, Model]:
+    def members(self) -> dict[str, Any]:
         """Members of every scene, and the wall treatment if the config has one."""
         return {**({"walls": self.walls.treatment} if self.walls.treatment else {}), **super().members}
 

@@ -17,8 +17,8 @@ from pydantic import model_validator
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed, refuse
-from tisph.config.checks import is_whole
 from tisph.config.motion import SlipLength, frictionless_findings, slip_length_of
+from tisph.config.schema import is_whole
 from tisph.exact.cavity import LID, CentreLine, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
@@ -77,7 +77,7 @@ class Cavity(BodyScene):
     flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
 
     @classmethod
-    def from_config(cls, config: Any) -> "Cavity":
+    def from_config(cls, config: "Config") -> "Cavity":
         """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
-from tisph.config import checks, schema
+from tisph.config import schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, findings, refusals, refuse
 from tisph.config.ends import Ends
 from tisph.config.fields import Bodies, Member, number_or
@@ -179,7 +179,7 @@ def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
 class Walls(Model):
     """Wall treatment, and the walls at y = 0 (``bottom``) and y = gap (``top``)."""
 
-    treatment: Annotated[Model, WallTreatment] = Field(default_factory=WallTreatment.default)
+    treatment: Annotated[Any, WallTreatment] = Field(default_factory=WallTreatment.default)
     bottom: Wall = Wall()
     top: Wall = Wall()
 
@@ -267,7 +267,7 @@ class Config(schema.Config):
         return self.initial.time
 
     @property
-    def members(self) -> dict[str, Model]:
+    def members(self) -> dict[str, Any]:
         """Members of every scene, and without bodies the wall treatment, which is for plane walls only."""
         return {"walls": self.walls.treatment, **super().members} if self.parallel else super().members
 
@@ -298,10 +298,10 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a length that the spacing does not divide, or that is too short."""
-        wrong = [] if self.ends else checks.incommensurate_columns(self)
+        wrong = [] if self.ends else schema.incommensurate_columns(self)
         yield from wrong
         periodic_pairs = not self.parallel and (self.bodies or not self.ends)
-        least = checks.LEAST_IN_PERIOD if periodic_pairs else checks.least_in_period(self)
+        least = schema.LEAST_IN_PERIOD if periodic_pairs else schema.least_in_period(self)
         if not wrong and self.columns < least:
             text = f"must be at least {least * self.spacing:.6g}, {least} particle spacings"
             yield "geometry.length", f"{text}: the neighbour search needs three cells along x"
@@ -311,7 +311,7 @@ class Scene:
     """Maker of the scene of a run: the plane channel, or a cell if there are bodies."""
 
     @staticmethod
-    def from_config(config: Any) -> Any:
+    def from_config(config: "Config") -> Any:
         """Return the scene that a validated config describes."""
         if config.parallel:
             return Channel.from_config(config)
@@ -410,7 +410,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
     yield from cell_problems(config, bodies_of(config, named), named)
 
 
-def outlined_wall_problems(config: Any) -> Iterator[Problem]:
+def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
     """Yield the errors of walls with outlines."""
     from tisph.bodies._clearance import size_problems
     from tisph.scenes._cell import walls_along
@@ -440,13 +440,13 @@ def outlined_wall_problems(config: Any) -> Iterator[Problem]:
     walls = walls_along(config)
     sized = [(f"walls.{side}", wall, walls[side]) for side, wall in given.items() if side in walls]
     yield from size_problems(sized, spacing, config.across)
-    least = checks.LEAST_PARTICLES_ACROSS * spacing
+    least = schema.LEAST_PARTICLES_ACROSS * spacing
     points = {side: wall.boundary_points(wall.shape.length / PLACES).point for side, wall in walls.items()}
     other = [walls[one].nearest(points[two]).distance for one, two in (SIDES, SIDES[::-1])] if len(walls) > 1 else []
     narrowest = min(float(distance.min()) for distance in other or [points["top"][:, 1]])
     if narrowest < least * (1.0 - 1e-3):
         text = f"leaves a passage {narrowest:.4g} wide" if narrowest > 0.0 else "meets the other wall"
-        text = f"{text}: leave {checks.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
+        text = f"{text}: leave {schema.LEAST_PARTICLES_ACROSS} spacings, {least:.4g}"
         yield f"walls.{next(iter(given))}.outline", text
 
 

@@ -10,9 +10,8 @@ Multiphase Flow 8 (1982) 193-206.
 """
 
 from collections.abc import Iterator
-from typing import Any
 
-from tisph.config import checks, schema
+from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem
 from tisph.config.fields import bodies
 from tisph.scenes._cell import Cell, bodies_of, cell_problems
@@ -60,13 +59,13 @@ class Config(schema.Config):
 
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a length that the spacing does not divide, or for each period that is too short."""
-        yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
+        yield from schema.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:
     """Maker of the scene."""
 
     @staticmethod
-    def from_config(config: Any) -> Cell:
+    def from_config(config: "Config") -> Cell:
         """Return the scene that a validated config describes."""
         return Cell.around(config, bodies_of(config, {}), {})

@@ -200,7 +200,7 @@ class Scene(AxisymmetricScene):
         return ("u", "v", "w", *STRESSES) if self._flows[0] else ("u", "v", "w", "pressure", *AROUND)
 
     @classmethod
-    def from_config(cls, config: Any) -> Any:
+    def from_config(cls, config: "Config") -> Any:
         """Return the scene that a validated config describes; with open ends a ``StreamOfRevolution``."""
         walls = config.placed_walls
         if config.ends:

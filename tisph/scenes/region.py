@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.bodies._clearance import LEAST_GAP
-from tisph.config import checks, schema
+from tisph.config import schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, refusals
 from tisph.config.ends import Ends
 from tisph.config.fields import Bodies, Member, nearest
@@ -41,13 +41,13 @@ LEAST_ANGLE = np.radians(49.9)
 """Least angle of sharp corners, on the axis, too: flow in a cone of 45 degrees diverged with 16 particles across."""
 
 
-def bodies_and_walls(config: Any) -> tuple[dict[str, Body], dict[str, Body]]:
+def bodies_and_walls(config: "Config") -> tuple[dict[str, Body], dict[str, Body]]:
     """Return bodies in the fluid and walls around it by name, of a ``config``, with the rotation in its ``turning``."""
-    box, bodies = config.geometry, {}
+    bodies = {}
     if isinstance(config.bodies, tuple):
-        periods, given = (box.length if config.periodic[0] else math.inf, math.inf), Surroundings.of(config)
+        periods, given = (config.extent[0] if config.periodic[0] else math.inf, math.inf), Surroundings.of(config)
         bodies = {f"body_{i}": body_of_revolution(each.body(periods, given)) for i, each in enumerate(config.bodies)}
-    walls = walls_along(config) if box else _around(config.walls.around)
+    walls = walls_along(config) if config.geometry else _around(config.walls.around)
     for name in (*bodies, *walls):
         spins = [turning_of(each) for each in config.turning if each.turns(name)]
         group = bodies if name in bodies else walls
@@ -275,14 +275,14 @@ class Config(schema.Config):
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a length that the spacing does not divide, or that is too short."""
         if self.periodic[0]:
-            yield from checks.incommensurate_columns(self) or incommensurate_periods(self)
+            yield from schema.incommensurate_columns(self) or incommensurate_periods(self)
 
 
 class Scene:
     """Maker of the scene."""
 
     @staticmethod
-    def from_config(config: Any) -> Cell | RegionOfRevolution:
+    def from_config(config: "Config") -> Cell | RegionOfRevolution:
         """Return the scene that a validated config describes."""
         if config.axisymmetric:
             return (StreamOfRevolution if config.ends else RegionOfRevolution).around(config, *bodies_and_walls(config))
@@ -321,7 +321,7 @@ def _coordinate_problems(config: Config) -> Iterator[Problem]:
         yield from outline_problems(key, body, config.spacing)
 
 
-def _walls(config: Any) -> dict[str, Body]:
+def _walls(config: "Config") -> dict[str, Body]:
     """Return the walls around the fluid by name."""
     if config.walls.around is None:
         return walls_along(config)

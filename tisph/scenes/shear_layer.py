@@ -86,7 +86,7 @@ class Scene(AnyScene):
     flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
-    def from_config(cls, config: Any) -> "Scene":
+    def from_config(cls, config: "Config") -> "Scene":
         """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),

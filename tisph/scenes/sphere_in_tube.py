@@ -23,7 +23,6 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.motion import FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import POINTS, volume_of_revolution
-from tisph.measures.viscometers import LARGEST_RATIO, wall_factor
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
@@ -33,6 +32,15 @@ from tisph.scenes.pipe import Cylinder
 from tisph.snapshot import Snapshot
 
 FREE_KEYS = ("density", "force")
+
+LARGEST_RATIO = 0.6
+"""Largest ratio of the radii of ball and tube."""
+
+
+def wall_factor(ratio: float) -> float:
+    """Return Bohlin's factor K of a sphere whose radius is ``ratio`` times the radius of the tube."""
+    powers = {1: -2.10443, 3: 2.08877, 5: -0.94813, 6: -1.372, 8: 3.87, 10: -4.19}
+    return 1.0 / (1.0 + sum(factor * ratio**power for power, factor in powers.items()))
 
 
 class Geometry(Model):
@@ -154,7 +162,7 @@ class Scene(AxisymmetricScene):
     time_formula = "tU/a"
 
     @classmethod
-    def from_config(cls, config: Any) -> "Scene":
+    def from_config(cls, config: "Config") -> "Scene":
         """Return the scene that a validated config describes."""
         geometry, kept = config.geometry, config.closure == "no_flux"
         given = config.walls.tube
@@ -347,7 +355,7 @@ class Scene(AxisymmetricScene):
         return self.time_series().only("velocity" if velocity else "force", *kind)
 
 
-def _body(config: Any) -> Body:
+def _body(config: "Config") -> Body:
     """Return the sphere of a config, or the spheroid."""
     geometry, given = config.geometry, config.sphere
     radius, half = geometry.sphere_radius, geometry.half_length

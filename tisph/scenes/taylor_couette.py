@@ -116,7 +116,7 @@ class Scene(AxisymmetricScene):
         return (*("torque_inner", "torque_outer", "torque_ratio") * self.periodic[0], "radial_velocity")
 
     @classmethod
-    def from_config(cls, config: Any) -> "Scene":
+    def from_config(cls, config: "Config") -> "Scene":
         """Return the scene that a validated config describes."""
         radii, length = (config.inner_radius, config.outer_radius), config.geometry.length
         spins, gap = _spins(config), radii[1] - radii[0]
@@ -238,7 +238,7 @@ class Scene(AxisymmetricScene):
         return self.time_series().only("torque", "torque", "moment")
 
 
-def _spins(config: Any) -> dict[str, Any]:
+def _spins(config: "Config") -> dict[str, Any]:
     """Return the motions around the axis of cylinders and end plates by name."""
     found = {"inner": turning_of(config.walls.inner), "outer": turning_of(config.walls.outer)}
     if config.periodic[0]:

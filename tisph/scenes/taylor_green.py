@@ -89,7 +89,7 @@ class Scene(AnyScene):
     flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
-    def from_config(cls, config: Any) -> "Scene":
+    def from_config(cls, config: "Config") -> "Scene":
         """Return the scene that a validated config describes."""
         return cls(
             **cls.fluid_of(config),
@@ -198,7 +198,10 @@ class Scene(AnyScene):
     def movie_profiles(self) -> dict[str, Profile]:
         """Return the velocities, and vorticity and pressure along the vertical centre line."""
         line = centre_line(self, "y")
-        found = {"vorticity": vorticity_profile(self, line), "pressure": pressure_profile(self, line)}
+        found = {
+            "vorticity": vorticity_profile(self, line, self.exact_vorticity),
+            "pressure": pressure_profile(self, line),
+        }
         return super().movie_profiles() | found
 
     @property

@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from tisph import registry
+from tisph.config.schema import Config
 
 if TYPE_CHECKING:
     from tisph.config.base import Problem
@@ -28,13 +29,13 @@ SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
 """Walls that may have velocities at times, and the key of these velocities."""
 
 
-def resolve(config: Any) -> tuple[Any, str]:
+def resolve(config: Config) -> tuple[Any, str]:
     """Return the config with the scheme that will run, and the choice and its reason in words."""
     member = registry.load("schemes", config.scheme.type)
     return member.resolve(config) if hasattr(member, "resolve") else (config, config.scheme.type)
 
 
-def build(config: Any, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
     """Return the scheme of a ``resolve``-d config in a ``scene``, with steps that end on the times ``targets`` exactly.
 
     ``serial`` compiles loops without threads. Here, and not before, Taichi is imported.
@@ -42,7 +43,7 @@ def build(config: Any, scene: "Scene", targets: Sequence[float], serial: bool) -
     return _member(config).build(config, scene, targets, serial)
 
 
-def coarsen_steps(config: Any, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Any:
     """Return a ``resolve``-d config with steps ``factor`` times as long for a spacing ``factor`` times as wide.
 
     Errors in time then fall with the spacing, as errors in space do.
@@ -50,21 +51,21 @@ def coarsen_steps(config: Any, factor: float) -> Any:
     return _member(config).coarsen_steps(config, factor)
 
 
-def orders(config: Any) -> tuple[float, float]:
+def orders(config: Config) -> tuple[float, float]:
     """Return the least and the largest order in the spacing that counts as observed for a ``resolve``-d config."""
     return _member(config).orders(config)
 
 
-def estimates(config: Any, scene: "Scene") -> "SchemeEstimates":
+def estimates(config: Config, scene: "Scene") -> "SchemeEstimates":
     """Return the estimates of a run of a ``resolve``-d config in a ``scene``."""
     return _member(config).estimates(config, scene)
 
 
-def _member(config: Any) -> "SchemeMember":
+def _member(config: Config) -> "SchemeMember":
     return registry.load("schemes", config.scheme.type)
 
 
-def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
+def unsupported(config: Config, scheme: str) -> Iterator["Problem"]:
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
     slipping = next(slipping_walls(config), None)
@@ -90,7 +91,7 @@ def unsupported(config: Any, scheme: str) -> Iterator["Problem"]:
         yield "scheme.type", f"wcsph has no {name} fluid; take implicit"
 
 
-def slipping_walls(config: Any) -> Iterator[str]:
+def slipping_walls(config: Config) -> Iterator[str]:
     """Yield the dotted key of each wall or body of a config along which the fluid slips."""
     walls = getattr(config, "walls", None)
     named = {f"walls.{name}": getattr(walls, name) for name in type(walls).model_fields} if walls else {}
@@ -100,7 +101,7 @@ def slipping_walls(config: Any) -> Iterator[str]:
     yield from (key for key, wall in named.items() if getattr(wall, "slip_length", None))
 
 
-def unused(config: Any, chosen: str, reason: str = "") -> Iterator["Problem"]:
+def unused(config: Config, chosen: str, reason: str = "") -> Iterator["Problem"]:
     """Yield dotted key and text of each key without effect where scheme ``chosen`` runs, unless it has its default.
 
     ``reason``: why scheme ``auto`` does not choose ``implicit``.

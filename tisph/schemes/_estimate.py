@@ -14,12 +14,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.measures.metrics import relative_error, rms_error
 from tisph.numerics import SUPPORT
+from tisph.scenes._channel import Channel
+from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
 from tisph.schemes._step_control import StepControl, steps_between
 from tisph.schemes.implicit.channel.step import (
@@ -33,10 +36,6 @@ from tisph.schemes.implicit.channel.step import (
 from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
 from tisph.schemes.implicit.channel.walls import Series, stress_excess
 from tisph.schemes.wcsph._time_step import limits_of, sound_speed_of
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
-    from tisph.scenes._scene import Scene
 
 EXPLICIT_COST = 150e-9
 """Rough cost of one particle and step of the explicit scheme on two threads [s]."""
@@ -94,7 +93,7 @@ STEADY = 1e-12
 """Change of the velocities in a step, over the largest velocity, below which the flow is steady."""
 
 
-def explicit(config: Any, channel: Any) -> SchemeEstimates:
+def explicit(config: Config, channel: Scene) -> SchemeEstimates:
     """Return the estimates of a run of scheme ``wcsph`` in a scene ``channel``."""
     sound = sound_speed_of(config, channel)
     limits = limits_of(
@@ -115,12 +114,12 @@ def explicit(config: Any, channel: Any) -> SchemeEstimates:
         "binding_limit": binding,
         "steps": steps,
         "run_time": channel.particles * steps * EXPLICIT_COST,
-        "lost": channel.parallel and profile_lost(config, channel),
+        "lost": isinstance(channel, Channel) and profile_lost(config, channel),
         "samples": [SampleEstimate(t, n, steps_factors=EXPLICIT_STEPS) for t, n in samples],
     }
 
 
-def implicit(config: Any, channel: "Channel", control: StepControl) -> SchemeEstimates:
+def implicit(config: Config, channel: Channel, control: StepControl) -> SchemeEstimates:
     """Return the estimates of a run of scheme ``implicit``, with the ``control`` of its steps."""
     samples, layers = layer_estimates(config, channel, control)
     cost = IMPLICIT_OVERHEAD + channel.rows * channel.columns * IMPLICIT_COST
@@ -143,12 +142,12 @@ def step_counts(start: float, targets: Sequence[float], longest: float) -> list[
     return list(itertools.accumulate(steps))
 
 
-def cell_reynolds(channel: "Scene") -> float:
+def cell_reynolds(channel: Scene) -> float:
     """Return the Reynolds number of a spacing, U spacing / nu."""
     return channel.reference_velocity * channel.spacing / channel.kinematic_viscosity
 
 
-def profile_lost(config: Any, channel: Any) -> bool:
+def profile_lost(config: Config, channel: Channel) -> bool:
     """Tell whether the explicit scheme mixes all fluid that a wall has moved up to the last sample."""
     fastest = max(channel.bottom.angular_frequency, channel.top.angular_frequency)
     time = min(config.time.samples[-1], 1 / fastest if fastest else math.inf)
@@ -158,7 +157,7 @@ def profile_lost(config: Any, channel: Any) -> bool:
     return starts and ratio > 1.0 and ratio >= LOST_LAYERS * thickness
 
 
-def polymer_stiffness(config: Any, channel: "Scene") -> float:
+def polymer_stiffness(config: Config, channel: Scene) -> float:
     """Return the number that ``STIFF_POLYMER`` limits: modulus times (spacing over solvent viscosity) squared."""
     if not channel.polymer:
         return 0.0
@@ -167,7 +166,7 @@ def polymer_stiffness(config: Any, channel: "Scene") -> float:
 
 
 def layer_estimates(
-    config: Any, channel: "Channel", control: StepControl
+    config: Config, channel: Channel, control: StepControl
 ) -> tuple[list[SampleEstimate], "ImplicitLayers"]:
     """Return the ``SampleEstimate`` of every sample of scheme ``implicit``, and the layers at the end of the run.
 
@@ -197,18 +196,18 @@ def layer_estimates(
     return samples, layers
 
 
-def is_coupled(config: Any, channel: Any) -> bool:
+def is_coupled(config: Config, channel: Channel) -> bool:
     """Tell whether a stage is solved for the stress, or a wall, as well."""
     return config.fluid.rheology.type != "newtonian" or channel.seeks_wall_velocity
 
 
-def off_layers(config: Any) -> bool:
+def off_layers(config: Config) -> bool:
     """Tell whether particles leave their layers, or have a lower precision than layers."""
     return config.initial.jitter > 0 or config.discretisation.precision != "f64"
 
 
 def _sample_estimate(
-    channel: "Channel", heights: np.ndarray, time: float, steps: int, velocity: np.ndarray, least: float
+    channel: Channel, heights: np.ndarray, time: float, steps: int, velocity: np.ndarray, least: float
 ) -> SampleEstimate:
     """Return the ``SampleEstimate`` from the velocities (layers,) at ``heights``.
 
@@ -229,7 +228,7 @@ class ImplicitLayers:
     velocities are unknown: after ``MOST_STEPS`` steps that changed them, or where no step is short enough.
     """
 
-    def __init__(self, config: Any, channel: "Channel", control: StepControl) -> None:
+    def __init__(self, config: Config, channel: Channel, control: StepControl) -> None:
         self.channel, self.control = channel, control
         self.walls = wall_pair_of(config, channel)
         self.operators = LayerOperators(channel, config.scheme.operators.order, self.walls.even_reflection)
@@ -321,7 +320,7 @@ class ImplicitLayers:
 class LayerOperators(ClosedOperators):
     """``ClosedOperators`` of an ``order`` on layers at ``heights``."""
 
-    def __init__(self, channel: "Channel", order: int, even_reflection: tuple[bool, ...]) -> None:
+    def __init__(self, channel: Channel, order: int, even_reflection: tuple[bool, ...]) -> None:
         rows, spacing = channel.rows, channel.spacing
         laplacian, gradient = least_squares(order)
         self.even_reflection = even_reflection

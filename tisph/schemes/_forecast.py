@@ -9,9 +9,12 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from tisph import scenes, schemes
-from tisph.config import checks
+from tisph.config import schema
+from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.resolution import STEEPEST, resolution
+from tisph.scenes._channel import Channel
+from tisph.scenes._scene import Scene
 from tisph.schemes._estimate import (
     DISORDERED_CELL_RE_OF_ORDER_2,
     DISORDERED_SOLVENT_CELL_RE,
@@ -54,7 +57,7 @@ LEAST_SOLVENT_FRACTION = 0.1
 """Solvent fraction below which there is a warning: at the scale of the spacing only the solvent damps the velocity."""
 
 
-def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
+def forecast(config: Config) -> tuple[dict[str, Any], list[str]]:
     """Return the ``estimates`` of a run and warnings; raises ConfigError where its result would be worthless."""
     numbers = estimates(config)
     if numbers["lost"]:  # the layer at the walls is mixed into the flow before it is resolved
@@ -66,7 +69,7 @@ def forecast(config: Any) -> tuple[dict[str, Any], list[str]]:
     return numbers, list(_warnings(config, numbers))
 
 
-def estimates(config: Any) -> dict[str, Any]:
+def estimates(config: Config) -> dict[str, Any]:
     """Return numbers of a run before it runs, in the config's units; memory in bytes, run time in seconds."""
     scene = scenes.of(config)
     resolved, reason = schemes.resolve(config)
@@ -78,7 +81,7 @@ def estimates(config: Any) -> dict[str, Any]:
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
         "viscous_time": scene.viscous_time,
         "particles": scene.particles,
-        "memory": checks.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
+        "memory": schema.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
         "steps_range": run["samples"][-1].steps_range(run["steps"]),
@@ -89,9 +92,9 @@ def estimates(config: Any) -> dict[str, Any]:
     }
 
 
-def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
+def _warnings(config: Config, numbers: dict[str, Any]) -> Iterator[str]:
     """Yield the warnings for a valid config with these ``estimates``."""
-    scene: Any = scenes.of(config)
+    scene: Scene = scenes.of(config)
     # a sample at the start of the run has the initial state of the config
     reasons = {t: resolution(scene, t)[1] for t in config.time.samples if t > config.start_time}
     early = [t for t, reason in reasons.items() if reason]
@@ -125,7 +128,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
     if order_2 and config.initial.jitter and numbers["cell_reynolds"] > DISORDERED_CELL_RE_OF_ORDER_2:
         highest = DISORDERED_CELL_RE_OF_ORDER_2
         yield f"above a cell Reynolds number of {highest:g} order 2 may fail for disordered particles: take order 4"
-    if not numbers["sound_speed"] and scene.parallel and scene.polymer and any(scene.wall_jumps):
+    if not numbers["sound_speed"] and isinstance(scene, Channel) and scene.polymer and any(scene.wall_jumps):
         number = polymer_stiffness(config, scene)
         if number > STIFF_POLYMER:
             enough = math.ceil(config.particles_across * math.sqrt(number / STIFF_POLYMER))
@@ -141,7 +144,7 @@ def _warnings(config: Any, numbers: dict[str, Any]) -> Iterator[str]:
         )
 
 
-def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:
+def _resolved(scene: Scene, sample: Any) -> tuple[bool | None, str]:
     """Return whether a sample will be resolved, None where only its run decides, and the words for it."""
     resolved, reason = resolution(scene, sample.t)
     if not resolved and not scene.has_free_bodies:
@@ -153,7 +156,7 @@ def _resolved(scene: Any, sample: Any) -> tuple[bool | None, str]:
     return None, unknown if resolved else f"probably not resolved: {reason}"
 
 
-def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> Iterator[str]:
+def described(config: Config, numbers: dict[str, Any], warnings: Sequence[str]) -> Iterator[str]:
     """Yield the lines that describe the run of ``config``, from its ``forecast``."""
     walls = [config.members["walls"].type] if "walls" in config.members else []
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
@@ -164,7 +167,7 @@ def described(config: Any, numbers: dict[str, Any], warnings: Sequence[str]) -> 
         yield f"  warning: {text}"
 
 
-def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
+def _run_lines(config: Config, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     """Return label and text of scheme, particles, steps and cost of the run."""
     length, time = config.units.length, config.units.time
     explicit, reliable = numbers["sound_speed"], numbers["samples"][-1].steps_reliable
@@ -188,7 +191,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
         ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
         (
             "memory",
-            f"about {checks.format_bytes(numbers['memory'])} for the particles, beside that of the program, {PROGRAM}",
+            f"about {schema.format_bytes(numbers['memory'])} for the particles, beside that of the program, {PROGRAM}",
         ),
         (
             "run time",
@@ -197,7 +200,7 @@ def _run_lines(config: Any, numbers: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _sample_lines(scene: Any, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
+def _sample_lines(scene: Scene, samples: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """Yield label and text of every ``SampleEstimate``: whether it is resolved, steps and error, as far as known."""
     for sample in samples:
         steps = _about(sample.steps, sample.steps_range(sample.steps), " steps")

@@ -1,7 +1,8 @@
 """The balance of momentum along the channel: the impulses of walls and drive against the momentum of the fluid."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+
+from tisph.measures.channel import ChannelFlow
 
 EVERY_STEP_UNTIL = 64
 STRIDE = 16
@@ -35,7 +36,7 @@ class MomentumBalance:
         ]
         self.time, self.force = time, [float(one) for one in force]
 
-    def report(self, channel: Any, time: float, velocity_sum: float) -> dict[str, float | None]:
+    def report(self, channel: ChannelFlow, time: float, velocity_sum: float) -> dict[str, float | None]:
         """Return the ``momentum_terms`` at ``time``."""
         rest = time - self.time
         walls = [total + rest * force for total, force in zip(self.impulse, self.force or [0.0, 0.0], strict=True)]
@@ -43,7 +44,7 @@ class MomentumBalance:
 
 
 def momentum_terms(
-    channel: Any, time: float, velocity_change: float, impulses: Sequence[float]
+    channel: ChannelFlow, time: float, velocity_change: float, impulses: Sequence[float]
 ) -> dict[str, float | None]:
     """Return the balance of momentum along x up to ``time`` in the units of the config, per length out of the plane.
 

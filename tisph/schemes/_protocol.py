@@ -14,6 +14,7 @@ from typing import Any, Protocol, TypedDict
 import numpy as np
 
 from tisph.config.base import Model, Problem
+from tisph.config.schema import Config
 from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
 
@@ -158,34 +159,34 @@ class Member(Protocol):
     Parameters: type[Model]
     """Its keys in the section ``scheme`` of a config, with ``type``, the literal of its name."""
 
-    def problems(self, config: Any) -> Iterator[Problem]:
+    def problems(self, config: Config) -> Iterator[Problem]:
         """Yield dotted key and text of everything in a validated config that it cannot serve."""
 
 
 class SchemeMember(Member, Protocol):
     """Module of a scheme. Its functions take a config whose ``scheme`` is this one (``schemes.resolve``)."""
 
-    def build(self, config: Any, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
+    def build(self, config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
         """Return the scheme for ``scene`` in its own frame, with steps that end on the times ``targets`` exactly.
 
         ``serial`` compiles loops without threads. Taichi is imported here.
         """
 
-    def orders(self, config: Any) -> tuple[float, float]:
+    def orders(self, config: Config) -> tuple[float, float]:
         """Return the least and the largest order in the spacing that counts as observed, for ``--estimate-error``."""
 
-    def coarsen_steps(self, config: Any, factor: float) -> Any:
+    def coarsen_steps(self, config: Config, factor: float) -> Any:
         """Return the config with steps ``factor`` times as long for a spacing that is ``factor`` times as wide.
 
         So errors in time fall with the spacing as those in space do. Limits that go with the spacing stay as they are.
         """
 
-    def estimates(self, config: Any, scene: Scene) -> SchemeEstimates:
+    def estimates(self, config: Config, scene: Scene) -> SchemeEstimates:
         """Return the estimates of a run for ``tisph check``."""
 
 
 class ChoiceMember(Member, Protocol):
     """Module that chooses among schemes."""
 
-    def resolve(self, config: Any) -> tuple[Any, str]:
+    def resolve(self, config: Config) -> tuple[Any, str]:
         """Return the config with the scheme that is to run, and in words which one and why."""

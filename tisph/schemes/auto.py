@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from tisph import registry
 from tisph.config.base import Model
+from tisph.config.schema import Config
 from tisph.schemes import unsupported, unused
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class Parameters(Model):
     accuracy: Literal["fast", "balanced", "high"] = "balanced"
 
 
-def problems(config: Any) -> Iterator["Problem"]:
+def problems(config: Config) -> Iterator["Problem"]:
     """Yield dotted key and text of everything in a config that the chosen scheme cannot serve."""
     implicit = registry.load("schemes", "implicit")
     if not config.parallel:  # only the implicit scheme is chosen, with either step control
@@ -60,14 +61,14 @@ def problems(config: Any) -> Iterator["Problem"]:
         yield "time.tolerance", f"is for scheme implicit, which cannot be taken here: {obstacle}"
 
 
-def _obstacle(config: Any, implicit: Any) -> str | None:
+def _obstacle(config: Config, implicit: Any) -> str | None:
     """Return in words why the implicit scheme cannot be chosen; None where it can."""
     if config.time.cfl != "auto":
         return "time.cfl gives a Courant number"
     return next((text.partition(";")[0] for _, text in implicit.problems(config)), None)
 
 
-def resolve(config: Any) -> tuple[Any, str]:
+def resolve(config: Config) -> tuple[Any, str]:
     """Return the config with the chosen scheme, and the reason in words."""
     implicit = registry.load("schemes", "implicit")
     two_dimensional = not config.parallel

@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 
 from tisph import config, runtime, scenes
-from tisph.config.checks import colours
-from tisph.config.schema import Video
+from tisph.config.schema import Config, colours
+from tisph.config.sections import Video
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.folder import Folder, claimed, extended, hdf5_file, replaced
 from tisph.measures.metrics import sample_metrics
@@ -245,7 +245,7 @@ def cost(simulation: Any) -> dict[str, float | None]:
     }
 
 
-def write_last_good(folder: Folder, scene: Scene, config: Any, snapshot: Snapshot) -> None:
+def write_last_good(folder: Folder, scene: Scene, config: Config, snapshot: Snapshot) -> None:
     """Write the last sound state of a diverged run, as data and as a picture."""
     with replaced(folder.last_good) as new, hdf5_file(new) as file:
         write_snapshot(file, snapshot)
@@ -260,7 +260,7 @@ def write_summary(path: Path, summary: dict[str, Any]) -> None:
         new.write_text(json.dumps(summary, indent=2, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def provenance(config: Any, resolved: str, threads: int) -> dict[str, Any]:
+def provenance(config: Config, resolved: str, threads: int) -> dict[str, Any]:
     """Return versions, machine and settings that the numbers depend on; ``resolved`` is the config as YAML."""
     packages = (runtime.PACKAGE, "numpy", "scipy", "h5py", "pydantic", "matplotlib")
     return {

@@ -15,6 +15,7 @@ import numpy as np
 from tisph import runtime, scenes, schemes
 from tisph.config.fields import nearest
 from tisph.config.loader import Asked, loaded
+from tisph.config.schema import Config
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.geometry import motion
 from tisph.observers.guard import Guard
@@ -85,7 +86,7 @@ class Simulation:
         simulation._set_up(loaded(config, overrides), Path(path), None, body_force, conformation_source)
         return simulation
 
-    def _set_up(self, config: Any, restored_from: Path | None, *functions: Any) -> None:
+    def _set_up(self, config: Config, restored_from: Path | None, *functions: Any) -> None:
         self.config = config
         self._functions = functions
         self.resolved, self.reason = schemes.resolve(config)
@@ -360,7 +361,7 @@ VALUES_AT_TIMES = {"velocity": "velocities", "angular_velocity": "angular_veloci
 """Key of a constant value of a wall -> key of its values at ``times``."""
 
 
-def changed(config: Any, key: str, value: float, time: float) -> Any:
+def changed(config: Config, key: str, value: float, time: float) -> Any:
     """Return ``config`` with a wall whose value under the dotted ``key`` jumps to ``value`` at ``time``.
 
     ConfigError where the value cannot be changed in a run, and where the scene refuses the config.

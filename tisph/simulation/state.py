@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from tisph import runtime
+from tisph.config.schema import Config
 from tisph.measures.metrics import relative_error, velocities, with_reference
 from tisph.observers.guard import Guard
 from tisph.observers.protocol import Schedule, StateObserver
@@ -27,7 +28,7 @@ PARTICLES_PER_THREAD_WITH_PRESSURE = 2048
 """Particles per thread in flow with a pressure equation, whose linear solvers run on one thread anyway."""
 
 
-def useful_threads(config: Any, scene: Scene) -> int:
+def useful_threads(config: Config, scene: Scene) -> int:
     """Return the number of threads: ``runtime.threads``, or the useful number for the particles of ``scene``."""
     if config.runtime.threads != "auto":
         return config.runtime.threads

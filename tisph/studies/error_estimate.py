@@ -33,10 +33,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from tisph import scenes, schemes
+from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
 from tisph.results import open_run
+from tisph.scenes._scene import Scene
 from tisph.simulation.recording import write_summary
 from tisph.snapshot import STRESSES, Snapshot
 from tisph.studies.processes import Result, read_result
@@ -74,7 +76,7 @@ class Coarser:
     ``message`` says why there is no estimate from coarser runs. ConfigError where the config allows neither.
     """
 
-    def __init__(self, config: Any, root: Path):
+    def __init__(self, config: Config, root: Path):
         self.config, self.root = config, root
         self.message: str | None = None
         try:
@@ -127,7 +129,7 @@ class Coarser:
         return failed
 
 
-def _other(config: Any, factor: float) -> dict[str, Any]:
+def _other(config: Config, factor: float) -> dict[str, Any]:
     """Return the config, a plain dict without its name, of a run with about 1/``factor`` of the particles across."""
     resolved, wanted = schemes.resolve(config)[0], config.particles_across / factor
     near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
@@ -144,7 +146,7 @@ def _other(config: Any, factor: float) -> dict[str, Any]:
     raise ConfigError(f"{text}; give more particles across, or a box that they fill")
 
 
-def _validated(config: Any, data: dict[str, Any]) -> Any:
+def _validated(config: Config, data: dict[str, Any]) -> Any:
     return type(config).model_validate({"name": config.name, **data})
 
 
@@ -219,7 +221,7 @@ def _profiles(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[st
     return found
 
 
-def _at(scene: Any, snapshot: Snapshot, values: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _at(scene: Scene, snapshot: Snapshot, values: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Interpolate ``values`` (particles, k) of a snapshot to ``points`` (n, 2)."""
     positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
     return interpolated(scene, positions, values, points)
@@ -319,7 +321,7 @@ def _scale(spacings: np.ndarray, norms: np.ndarray, order: float, model: Callabl
     return float(np.exp(residuals.mean())), residuals - residuals.mean()
 
 
-def text(estimate: dict[str, Any], config: Any) -> str:
+def text(estimate: dict[str, Any], config: Config) -> str:
     """Return the estimates as a table under a line about the runs."""
     if estimate["reason"]:
         return f"no estimate of the error: {estimate['reason']}"

@@ -223,14 +223,15 @@ class _File:
         except (YamlTextError, AttributeError) as error:
             self._fail((*place, key), f"{base}: is no config: {error}")
 
-    def _change(self, config: Any, key: str, value: Any, where: Place) -> None:
+    def _change(self, config: Config, key: str, value: Any, where: Place) -> None:
         """Set the value of a dotted ``key``, in which a number is an index in a list."""
         *parents, last = key.split(".")
         try:
+            section: Any = config
             for part in parents:
-                below = step(config, part, key)
-                config = config.setdefault(part, {}) if isinstance(config, dict) else config[below]
-            config[step(config, last, key)] = copy.deepcopy(value)
+                below = step(section, part, key)
+                section = section.setdefault(part, {}) if isinstance(section, dict) else section[below]
+            section[step(section, last, key)] = copy.deepcopy(value)
         except ConfigError as error:
             self._fail(where, str(error))
 

@@ -40,13 +40,14 @@ from tisph import scenes
 from tisph.config import load
 from tisph.config.fields import nearest
 from tisph.config.loader import override_texts
+from tisph.config.schema import Config
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import hdf5_file, replaced
-from tisph.measures import rheometry
 from tisph.measures.metrics import fitted_order, sample_metrics
 from tisph.report import style
 from tisph.results import open_run
+from tisph.rheometry import rheometers
 from tisph.schemes._forecast import forecast
 from tisph.studies.processes import Outcomes, Result, prepare, run_config
 from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
@@ -136,7 +137,7 @@ def read(path: str | Path) -> Study:
 
 def _require_names(path: Path, collected: tuple[str, ...], base: Path, cases: tuple[Case, ...]) -> None:
     """Raise ConfigError for a collected name that no run of the valid ``cases`` can have."""
-    known = {*SUMMARY_NAMES.split(), *rheometry.NUMBERS}
+    known = {*SUMMARY_NAMES.split(), *rheometers.NUMBERS}
     valid = [case for case in cases if case.config is not None]
     for case in valid:
         if known.issuperset(collected):
@@ -151,7 +152,7 @@ def _require_names(path: Path, collected: tuple[str, ...], base: Path, cases: tu
         )
 
 
-def sample_names(config: Any) -> set[str]:
+def sample_names(config: Config) -> set[str]:
     """Return the names of the numbers of a sample in ``summary.json`` of a valid ``config``, from its start."""
     from tisph.simulation.state import start_snapshot, start_values  # only here: it imports Taichi
 

@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from tisph.config.base import Model
+from tisph.config.schema import Config
 from tisph.numerics import SKIN, SUPPORT
+from tisph.scenes._channel import Channel
+from tisph.scenes._scene import Scene
 from tisph.schemes import unsupported, unused
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
 from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
@@ -53,9 +56,9 @@ class Parameters(Model):
     largest_courant: Annotated[float, Field(gt=0, le=3)] = 0.3
 
 
-def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> "Scheme":
     """Return the scheme of parallel flow for a scene of parallel flow, else the scheme of two-dimensional flow."""
-    if not scene.parallel:
+    if not isinstance(scene, Channel):
         from tisph.schemes.implicit import planar
 
         return planar.build(config, scene, targets, serial)
@@ -64,7 +67,7 @@ def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> "S
     return ChannelScheme(config, scene, step_control(config, scene, targets), serial)
 
 
-def coarsen_steps(config: Any, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Any:
     """Return a config of this scheme with steps ``factor`` times as long.
 
     The estimated error of a step scales with the third power of its length, in two-dimensional flow with the fourth.
@@ -85,7 +88,7 @@ def coarsen_steps(config: Any, factor: float) -> Any:
     return config.model_copy(update=changed)
 
 
-def orders(config: Any) -> tuple[float, float]:
+def orders(config: Config) -> tuple[float, float]:
     """Return the least and the largest order in the spacing that counts as observed.
 
     The operators of order 4 have the order 3 in time and 3 to 4 in space, 5 on lattices. One more or less is scatter.
@@ -98,7 +101,7 @@ OPEN_COURANT = 1.0
 1e-9 at the inlet grew to 3e-3 of the velocity, in a parabola with 41 across; with 1 they did not grow."""
 
 
-def problems(config: Any) -> Iterator["Problem"]:
+def problems(config: Config) -> Iterator["Problem"]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "implicit")
     if config.scheme.type == "implicit":
@@ -114,7 +117,7 @@ def problems(config: Any) -> Iterator["Problem"]:
         yield "walls.treatment.type", f"{text}; take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
 
 
-def _problems_in_two_dimensions(config: Any) -> Iterator["Problem"]:
+def _problems_in_two_dimensions(config: Config) -> Iterator["Problem"]:
     if min(config.columns, config.rows) < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS} along x and y"
         yield "discretisation.particles_across", f"{text}: the neighbour search of scheme implicit needs three cells"
@@ -127,9 +130,9 @@ def _problems_in_two_dimensions(config: Any) -> Iterator["Problem"]:
         yield "scheme.largest_courant", f"must be at most {OPEN_COURANT:g} in flow through open ends"
 
 
-def estimates(config: Any, scene: Any) -> "SchemeEstimates":
+def estimates(config: Config, scene: Scene) -> "SchemeEstimates":
     """Return the estimates of a run of this scheme for ``tisph check``."""
-    if not scene.parallel:
+    if not isinstance(scene, Channel):
         from tisph.schemes.implicit import planar
 
         return planar.estimates(config, scene)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import Field
 
-from tisph.config import checks
+from tisph.config import schema
 from tisph.config.base import Model, Problem
 from tisph.config.fields import member_name
+from tisph.config.schema import Config
 from tisph.schemes import AROUND_BODIES, unsupported
 from tisph.schemes.wcsph.equation_of_state import Tait
 from tisph.schemes.wcsph.kernels import list_radius
@@ -37,14 +38,14 @@ class Parameters(Model):
     artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
-def build(config: Any, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
     """Return the scheme of a scene, with steps that end on the times ``targets`` exactly."""
     from tisph.schemes.wcsph._scheme import ExplicitScheme
 
     return ExplicitScheme(config, scene, targets, serial)
 
 
-def problems(config: Any) -> Iterator[Problem]:
+def problems(config: Config) -> Iterator[Problem]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "wcsph")
     if config.time.tolerance != "auto":
@@ -59,7 +60,7 @@ def problems(config: Any) -> Iterator[Problem]:
         yield from _problems_around_bodies(config)
 
 
-def _problems_around_bodies(config: Any) -> Iterator[Problem]:
+def _problems_around_bodies(config: Config) -> Iterator[Problem]:
     if config.has_open_ends:
         yield "scheme.type", "wcsph has no open ends; take auto or implicit"
     elif not hasattr(getattr(config, "walls", None), "treatment"):
@@ -69,12 +70,12 @@ def _problems_around_bodies(config: Any) -> Iterator[Problem]:
         yield "walls.treatment.type", f"{text}; take {', '.join(others)} or {last}"
     elif config.smallest_radius < config.spacing:
         text = f"must be at most {config.smallest_radius:g}, the smallest radius of a wall"
-        yield checks.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
+        yield schema.resolution_key(config), f"the spacing, {config.spacing:g}, {text}, with scheme wcsph"
     elif "walls" in config.members and config.walls.treatment.type == "comoving_image":
         yield from _problems_of_images(config)
 
 
-def _problems_of_images(config: Any) -> Iterator[Problem]:
+def _problems_of_images(config: Config) -> Iterator[Problem]:
     deepest = list_radius(config.support * config.spacing, config.spacing)
     if config.smallest_radius <= deepest:
         text = (
@@ -84,17 +85,17 @@ def _problems_of_images(config: Any) -> Iterator[Problem]:
         yield "walls.treatment.type", f"{text}; take a spacing below {largest:g}, virtual_image or adami"
 
 
-def coarsen_steps(config: Any, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Any:
     """Return the config: its steps are limited by multiples of the spacing already."""
     return config
 
 
-def orders(config: Any) -> tuple[float, float]:
+def orders(config: Config) -> tuple[float, float]:
     """Return the least and the largest order in the spacing that counts as observed: second order, and scatter."""
     return 1.0, 3.5
 
 
-def estimates(config: Any, scene: "Scene") -> "SchemeEstimates":
+def estimates(config: Config, scene: "Scene") -> "SchemeEstimates":
     """Return the estimates of a run of this scheme for ``tisph check``."""
     from tisph.schemes._estimate import explicit
 

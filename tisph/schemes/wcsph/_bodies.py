@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from tisph import registry
+from tisph.config.schema import Config
 from tisph.geometry.region import box_around
 from tisph.measures.fits import local_fits, parts, periodic_tree, with_walls
 from tisph.numerics.domain import PeriodicDomain
@@ -42,7 +43,7 @@ class SolidBodies(PeriodicBoundaries):
     kept = (*PeriodicBoundaries.kept, "middle", "built", "compression")
     walls: SolidWalls
 
-    def __init__(self, config: Any, scene: Scene, radius: float):
+    def __init__(self, config: Config, scene: Scene, radius: float):
         super().__init__(scene)
         self.scene, self.parameters = scene, config.walls.treatment
         name = self.parameters.type if self.parameters else AROUND_BODIES[0]

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tisph import registry
+from tisph.config.schema import Config
 from tisph.numerics.domain import ChannelDomain, Lattice, PeriodicDomain
 from tisph.runtime import ti, view
 from tisph.scenes._scene import Scene
@@ -144,7 +145,7 @@ class PlaneWalls(Boundary):
 
     kept = "drift", "built_velocity"
 
-    def __init__(self, config: Any, channel: "Channel", radius: float):
+    def __init__(self, config: Config, channel: "Channel", radius: float):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
         self.treatment = registry.load("walls", self.parameters.type).treatments().channel

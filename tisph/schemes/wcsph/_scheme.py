@@ -13,8 +13,10 @@ from typing import Any
 import numpy as np
 
 from tisph import registry
+from tisph.config.schema import Config
 from tisph.errors import ConfigError, DivergedError
 from tisph.runtime import scalar, ti, view
+from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.schemes._step_control import Kept, StepPlan
 from tisph.schemes.wcsph._boundaries import Boundary, PeriodicBoundaries, PlaneWalls
@@ -44,7 +46,9 @@ class BodyForce:
 
     def __init__(self, scene: Scene, particles: Particles, origin: Sequence[float]):
         self.particles, self.origin = particles, np.array(origin)
-        self.scene: Any = scene
+        self.scene: Scene = scene
+        assert scene.body_force
+        self.force = scene.body_force
         self.values, self.largest = np.zeros((particles.fluid, 2)), 0.0
         self.outlines = [(body, body.shape.boundary_points(scene.spacing).point) for body in scene.bodies]
         x = np.arange(scene.columns) * scene.spacing
@@ -54,13 +58,10 @@ class BodyForce:
         """Store the accelerations (fluid, 2) at the time ``middle`` of the pending step, whose buffer is ``now``."""
         place = self.origin + view(self.particles.mid_position)[now, : self.particles.fluid].astype(float)
         place = np.where(self.scene.periodic, place % self.scene.extent, place)
-        self.values = np.stack(self.scene.body_force(*place.T, middle), axis=1)
+        self.values = np.stack(self.force(*place.T, middle), axis=1)
         self.largest = float(np.hypot(*self.values.T).max())
         walls = [body.at(middle).to_lab_frame(points).T for body, points in self.outlines]
-        if any(
-            np.abs(self.scene.body_force(*wall, middle)).max() > AT_WALLS * self.largest
-            for wall in (*self.planes, *walls)
-        ):
+        if any(np.abs(self.force(*wall, middle)).max() > AT_WALLS * self.largest for wall in (*self.planes, *walls)):
             raise ConfigError("body_force: must be 0 on walls with scheme wcsph; scheme implicit has no such limit")
 
     def apply(self, now: int, length: float, half: float) -> None:
@@ -163,7 +164,7 @@ class ExplicitScheme(Kept):
 
     kept = "time", "middle", "end", "built", "steps", "rebuilds", "now", "length", "limit", "shortest", "longest"
 
-    def __init__(self, config: Any, scene: Scene, targets: Sequence[float], serial: bool):
+    def __init__(self, config: Config, scene: Scene, targets: Sequence[float], serial: bool):
         kernel = registry.load("kernels", config.discretisation.kernel)
         operators = registry.load("operators", config.scheme.operators).Operators
         rheology = config.fluid.rheology
@@ -376,9 +377,9 @@ class ExplicitScheme(Kept):
         }
 
 
-def boundaries(config: Any, scene: Any, radius: float) -> Boundary:
+def boundaries(config: Config, scene: Scene, radius: float) -> Boundary:
     """Return the boundary of the fluid of a ``scene``, for lists of this ``radius`` [length]."""
-    if scene.walls:
+    if isinstance(scene, Channel):
         return PlaneWalls(config, scene, radius)
     if scene.bodies:
         from tisph.schemes.wcsph._bodies import SolidBodies  # it imports scipy.spatial

@@ -1,14 +1,13 @@
 """Limits of an explicit time step, and the speed of shifts, which an explicit step limits too."""
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
+from tisph.config.schema import Config
+from tisph.scenes._scene import Scene
 from tisph.schemes.wcsph.equation_of_state import sound_speed
-
-if TYPE_CHECKING:
-    from tisph.scenes._scene import Scene
 
 AUTO_CFL = 0.25
 RELAXATION_NUMBER = 0.25
@@ -27,7 +26,7 @@ WAVES = 32
 """Number of wave lengths among which the stiffest is searched."""
 
 
-def sound_speed_of(config: Any, scene: "Scene") -> float:
+def sound_speed_of(config: Config, scene: Scene) -> float:
     """Return the speed of sound [length/time] of a run of scheme ``wcsph``."""
     return sound_speed(
         config.scheme.equation_of_state,
@@ -40,7 +39,7 @@ def sound_speed_of(config: Any, scene: "Scene") -> float:
 
 
 def limits_of(
-    config: Any, scene: "Scene", sound: float, *, speed: float, acceleration: float, elastic_speed: float
+    config: Config, scene: Scene, sound: float, *, speed: float, acceleration: float, elastic_speed: float
 ) -> dict[str, float]:
     """Return the ``time_step_limits`` of a run of scheme ``wcsph`` with this ``sound`` speed.
 

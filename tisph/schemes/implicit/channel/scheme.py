@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.numerics import SKIN, SUPPORT
 from tisph.numerics.domain import ChannelDomain
@@ -63,7 +64,7 @@ class ChannelScheme(ControlledScheme):
 
     kept = (*ControlledScheme.kept, "velocity_sum", "wall_impulse")
 
-    def __init__(self, config: Any, channel: "Channel", control: StepControl, serial: bool) -> None:
+    def __init__(self, config: Config, channel: "Channel", control: StepControl, serial: bool) -> None:
         order = config.scheme.operators.order
         cutoff = (SUPPORT[order] + SKIN) * channel.spacing
         kind = FixedGhosts if config.walls.treatment.type == "virtual_image" else MirrorGhosts

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.schemes._step_control import StepControl
 from tisph.schemes.implicit.channel.models import StressModel
 
@@ -78,7 +79,7 @@ FIRST_STEP = 0.25
 """First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it."""
 
 
-def step_control(config: Any, channel: "Channel", targets: "Sequence[float]") -> StepControl:
+def step_control(config: Config, channel: "Channel", targets: "Sequence[float]") -> StepControl:
     """Return the ``StepControl`` of a run: it ends steps on the times ``targets`` and on jumps of the walls.
 
     Each step is limited by the strain between neighbouring layers, or with ``time.cfl`` it has a fixed length.

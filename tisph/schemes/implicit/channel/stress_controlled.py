@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.geometry.motion import StressControlledWall
 from tisph.schemes.implicit.channel.models import StressModel, model_of
@@ -373,7 +374,7 @@ class MasslessWall(WallOfGivenStress):
             raise DivergedError("u: the shear rate at the stress-controlled wall is not finite")
 
 
-def wall_pair_of(config: Any, channel: "Channel") -> WallPair:
+def wall_pair_of(config: Config, channel: "Channel") -> WallPair:
     """Return the walls of a ``channel`` with the wall treatment and the fluid of a ``config``."""
     model, obeys_momentum = model_of(config.fluid.rheology, channel), OBEY_MOMENTUM[config.walls.treatment.type]
     walls: list[PrescribedWall] = []

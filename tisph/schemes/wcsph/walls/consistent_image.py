@@ -21,6 +21,7 @@ continuity. With steady walls, no body force and no stress, u_nn = 0: the images
 from functools import cache
 from typing import Any, ClassVar, Literal
 
+from tisph.measures.channel import ChannelFlow
 from tisph.schemes.wcsph.walls import Treatments, WallParameters
 
 
@@ -53,7 +54,7 @@ def treatments() -> Treatments:
             if self.tracks_walls:
                 self.track = WallStress(lists, fluid, self.domain.columns)
 
-        def load(self, channel: Any) -> None:
+        def load(self, channel: ChannelFlow) -> None:
             """Set the tracked points on the walls of the ``channel``."""
             if self.tracks_walls:
                 self.track.load(channel)

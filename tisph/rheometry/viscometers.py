@@ -20,13 +20,19 @@ All readings, in ``rheometry`` too, are a ``Reading``: title, lines of text, num
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, cast
 
 import numpy as np
 
 from tisph.errors import ConfigError
 from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.circle import Circle
+from tisph.geometry.motion import FreeMotion
+from tisph.scenes._axisymmetric import AxisymmetricScene
+from tisph.scenes._cell import Cell
+from tisph.scenes._scene import Scene
+from tisph.scenes.pipe import Scene as Pipe
+from tisph.scenes.sphere_in_tube import LARGEST_RATIO, wall_factor
 
 SHOWN = 9
 """Number of lines of a table over time."""
@@ -109,24 +115,15 @@ NEAR = 0.1
 LAMINAR = 1e-6
 """Largest ratio of radial to azimuthal kinetic energy in laminar flow; above, vortices carry a part of the torque."""
 
-LARGEST_RATIO = 0.6
-"""Largest ratio of the radii of ball and tube."""
 
-
-def wall_factor(ratio: float) -> float:
-    """Return Bohlin's factor K of a sphere whose radius is ``ratio`` times the radius of the tube."""
-    powers = {1: -2.10443, 3: 2.08877, 5: -0.94813, 6: -1.372, 8: 3.87, 10: -4.19}
-    return 1.0 / (1.0 + sum(factor * ratio**power for power, factor in powers.items()))
-
-
-def read_viscometer(scene_name: str, scene: Any, table: Table, last: Any) -> Reading:
+def read_viscometer(scene_name: str, scene: Scene, table: Table, last: Any) -> Reading:
     """Return the reading of a run of the scene; ``table``: columns of its history, ``last``: its last sample.
 
     ConfigError where the run is not the flow of the instrument.
     """
     if last is None:
         raise ConfigError("it has no sample: it has not ended")
-    read = {"taylor_couette": _couette, "pipe": _capillary, "sphere_in_tube": _falling_ball}[scene_name]
+    read: Any = {"taylor_couette": _couette, "pipe": _capillary, "sphere_in_tube": _falling_ball}[scene_name]
     return read(scene, {name: values[1:] for name, values in table.items()}, last)
 
 
@@ -148,7 +145,7 @@ def rabinowitsch(readings: Sequence[Reading]) -> list[str]:
     return [title, *("  " + "  ".join(f"{value:.6g}" for value in row) for row in rows)]
 
 
-def _couette(scene: Any, table: Table, last: Any) -> Reading:
+def _couette(scene: AxisymmetricScene, table: Table, last: Any) -> Reading:
     if not scene.periodic[0]:
         raise ConfigError("a Couette viscometer has no end plates here: the torque at them has no limit")
     outer, inner = (float(body.spin.velocity(table["t"][-1])) for body in reversed(scene.bodies))
@@ -164,7 +161,7 @@ def _couette(scene: Any, table: Table, last: Any) -> Reading:
     return _reading("Couette viscometer", scene, table["t"], stress / rate, lines, numbers)
 
 
-def _capillary(scene: Any, table: Table, last: Any) -> Reading:
+def _capillary(scene: Pipe, table: Table, last: Any) -> Reading:
     moving = any(body.motion.x.largest_speed or body.spin.largest_speed for body in scene.bodies)
     if scene.inner_radius or scene.pulsation or moving or not scene.acceleration:
         raise ConfigError("a capillary is one pipe at rest with a constant acceleration")
@@ -180,13 +177,13 @@ def _capillary(scene: Any, table: Table, last: Any) -> Reading:
     return _reading("capillary", scene, table["t"], stress / apparent, lines, numbers)
 
 
-def _falling_ball(scene: Any, table: Table, last: Any) -> Reading:
+def _falling_ball(scene: AxisymmetricScene, table: Table, last: Any) -> Reading:
     sphere, tube = scene.bodies
     if not sphere.free or not isinstance(sphere.shape, Circle) or tube.motion.x.largest_speed:
         raise ConfigError("a falling ball is a free sphere in a tube at rest")
     if scene.kept_mean_velocity != 0.0:
         raise ConfigError("a falling ball needs a closed tube: closure no_flux, without a mean_velocity")
-    radius, force = scene.reference_length, float(sphere.motion.inertia.load[0])
+    radius, force = scene.reference_length, float(cast(FreeMotion, sphere.motion).inertia.load[0])
     ratio, speed = radius / scene.outer_radius, table["velocity"]
     if not force or ratio > LARGEST_RATIO:
         raise ConfigError(f"a falling ball has a force, and at most {LARGEST_RATIO:g} of the radius of the tube")
@@ -202,7 +199,7 @@ def _falling_ball(scene: Any, table: Table, last: Any) -> Reading:
 
 
 def _reading(
-    title: str, scene: Any, t: np.ndarray, viscosity: np.ndarray, lines: list[str], numbers: dict[str, float]
+    title: str, scene: Scene, t: np.ndarray, viscosity: np.ndarray, lines: list[str], numbers: dict[str, float]
 ) -> Reading:
     """Return the viscosity at the end, beside the config's where it is constant, and over time.
 
@@ -240,7 +237,7 @@ def batch_means(values: np.ndarray) -> tuple[float, float]:
     return float(means.mean()), float(means.std(ddof=1) / np.sqrt(BATCHES))
 
 
-def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> Reading:
+def read_suspension(channel: Cell, table: Table, contacts: int | None = None) -> Reading:
     """Return the reading of a run with bodies that the flow carries between walls: means over its second half.
 
     ``table`` has the columns of its history by name; ``contacts`` is the number of contacts of bodies, if known.
@@ -270,7 +267,7 @@ def read_suspension(channel: Any, table: Table, contacts: int | None = None) -> 
     quantity = f"viscosity over that of the {'config' if channel.rheology else 'fluid'}"
     axis = Axes("strain", quantity, ("number", "number"))
     styles = {"walls": ".", "bodies": "-"}
-    curves = [(axis, WAYS[way], strain, values, styles[way]) for way, values in relative.items()]
+    curves: list[tuple[Any, ...]] = [(axis, WAYS[way], strain, values, styles[way]) for way, values in relative.items()]
     if dilute:
         curves.append((axis, "Einstein, 1 + 2\N{GREEK SMALL LETTER PHI}", strain[[0, -1]], [dilute, dilute], "--"))
     return Reading("suspension in shear", _lines(quantity, numbers, found, dilute), numbers, curves)

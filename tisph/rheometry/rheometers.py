@@ -18,18 +18,21 @@ shear.
 Suspensions and viscometers around an axis are evaluated at the end of a run (``viscometers``).
 """
 
-from collections.abc import Sequence
-from types import SimpleNamespace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from tisph.config.schema import Config
 from tisph.errors import ConfigError
+from tisph.exact._fluids import Rheology
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
 from tisph.exact.uniform_shear import REMEMBERED, UniformShear
 from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
-from tisph.measures.viscometers import (
+from tisph.measures.flow import FlowInBox
+from tisph.rheometry.viscometers import (
     SHOWN,
     STEADY,
     VISCOMETERS,
@@ -43,6 +46,10 @@ from tisph.measures.viscometers import (
     read_suspension,
     read_viscometer,
 )
+from tisph.scenes._cell import Cell
+from tisph.scenes._channel import SIDES, Channel
+from tisph.scenes._scene import Scene
+from tisph.scenes.annulus import Annulus
 
 NAMES = """
 strain modulus_at_the_end modulus_at_the_end_reference modulus_at_the_end_without_inertia modulus_at_the_end_linear
@@ -64,8 +71,21 @@ Stresses: TypeAlias = tuple[np.ndarray, np.ndarray]
 """Shear stress and first normal stress difference at some times."""
 
 
-def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
-    """Return an equivalent channel, its moving upper wall, and the columns of the history of that wall.
+@dataclass(frozen=True)
+class Sheared:
+    """The fluid of a ``flow`` that is sheared across a ``gap``; ``top``: the motion of its upper wall.
+
+    ``apparent_viscosity``: function of a complex viscosity and an angular frequency, of ``Channel.apparent_viscosity``.
+    """
+
+    flow: FlowInBox
+    gap: float
+    top: Any
+    apparent_viscosity: Callable[[complex, float], complex]
+
+
+def as_plane(annulus: Annulus, table: Table) -> tuple[Sheared, Any, Table]:
+    """Return an equivalent plane gap, its moving upper wall, and the columns of the history of that wall.
 
     Its ``gap`` is 1, so that the speed of the wall is the nominal shear rate. ConfigError unless exactly one cylinder
     moves.
@@ -80,16 +100,11 @@ def as_plane(annulus: Any, table: Table) -> tuple[Any, Any, Table]:
     wall = getattr(annulus, moving[0]).scaled(2 * other**2 / abs(own**2 - other**2))
     # the torque on the moving cylinder is opposite to its motion
     columns = {name: -table[f"torque_{moving[0]}{name}"] / (2 * np.pi * own**2) for name in ("", "_exact")}
-    plane = SimpleNamespace(
-        gap=1.0,
-        density=annulus.density,
-        dynamic_viscosity=annulus.dynamic_viscosity,
-        solvent_viscosity=annulus.solvent_viscosity,
-        kinematic_viscosity=annulus.kinematic_viscosity,
-        top=wall,
-        apparent_viscosity=lambda viscosity, frequency: cylinder_apparent_viscosity(
-            viscosity, frequency, annulus.density, own, other
-        ),
+    plane = Sheared(
+        annulus,
+        1.0,
+        wall,
+        lambda viscosity, frequency: cylinder_apparent_viscosity(viscosity, frequency, annulus.density, own, other),
     )
     shears = {f"wall_shear{name}": values for name, values in columns.items()}
     normals = {f"n1{end}": table[f"n1_{moving[0]}{end}"] for end in ("", "_exact") if f"n1_{moving[0]}{end}" in table}
@@ -113,29 +128,29 @@ POINTS = 101
 """Points of the steady flow curve."""
 
 
-def uniform_shear(rheology: Any, channel: Any) -> UniformShear:
-    """Return the law of the fluid in uniform shear; ``channel`` has its viscosities."""
+def uniform_shear(rheology: Rheology, flow: FlowInBox) -> UniformShear:
+    """Return the law of the fluid in uniform shear; ``flow`` has its viscosities."""
     if not rheology.carries_stress:
-        fluid = rheology.law(channel.kinematic_viscosity, channel.density)
-        return UniformShear(lambda rate: channel.density * fluid.viscosity(rate**2) * rate)
-    solvent = channel.density * channel.solvent_viscosity
-    return UniformShear(lambda rate: solvent * rate, rheology.laws(channel.dynamic_viscosity))
+        fluid = rheology.law(flow.kinematic_viscosity, flow.density)
+        return UniformShear(lambda rate: flow.density * fluid.viscosity(rate**2) * rate)
+    solvent = flow.density * flow.solvent_viscosity
+    return UniformShear(lambda rate: solvent * rate, rheology.laws(flow.dynamic_viscosity))
 
 
-def read_schedule(config: Any, channel: Any, fluid: Spectrum, wall: Schedule, table: Table) -> Reading:
+def read_schedule(config: Config, plane: Sheared, fluid: Spectrum, wall: Schedule, table: Table) -> Reading:
     """Return the reading of a step strain where the ``wall`` rests for longer than it moved, else of a flow curve.
 
     ``fluid``: its ``Spectrum``; ``table``: columns of the history for a moving upper wall. A wall that returns to its
     start leaves no strain.
     """
-    law, end = uniform_shear(config.fluid.rheology, channel), wall.times[-1]
+    law, end = uniform_shear(config.fluid.rheology, plane.flow), wall.times[-1]
     pieces = [(begin, wall.after(begin)) for begin in (0.0, *wall.jump_times)]
-    rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / channel.gap) for begin, ramp in pieces]
+    rates = [(begin, lambda t, ramp=ramp: ramp.velocity(t) / plane.gap) for begin, ramp in pieces]
     alone = law.response(rates, table["t"])
     strained = abs(wall.displacement(end)) > NOTHING * wall.largest_speed * end
     if strained and wall.velocities[-1] == 0.0 and table["t"][-1] > 2.0 * end:
-        return _step_strain(channel.gap, fluid, wall, table, alone)
-    return _flow_curve(channel.gap, law, wall, table, alone)
+        return _step_strain(plane.gap, fluid, wall, table, alone)
+    return _flow_curve(plane.gap, law, wall, table, alone)
 
 
 def _step_strain(gap: float, fluid: Spectrum, wall: Schedule, table: Table, uniform: Stresses) -> Reading:
@@ -257,62 +272,62 @@ FADED = 15.0
 """Number of longest relaxation times after which the start-up transient has decayed."""
 
 
-def spectrum(rheology: Any, channel: Any) -> Spectrum:
+def spectrum(rheology: Rheology, flow: FlowInBox) -> Spectrum:
     """Return the relaxation spectrum of a fluid at small deformations."""
     if not rheology.carries_stress:
-        law = rheology.law(channel.kinematic_viscosity, channel.density)
-        return Spectrum(channel.density * float(law.viscosity(0.0)))
-    laws = rheology.laws(channel.dynamic_viscosity)
+        law = rheology.law(flow.kinematic_viscosity, flow.density)
+        return Spectrum(flow.density * float(law.viscosity(0.0)))
+    laws = rheology.laws(flow.dynamic_viscosity)
     modes = tuple((law.polymer_viscosity, law.relaxation_time) for law in laws)
-    return Spectrum(channel.density * channel.solvent_viscosity, modes)
+    return Spectrum(flow.density * flow.solvent_viscosity, modes)
 
 
-def read(config: Any, channel: Any, table: Table, contacts: Any = None, last: Any = None) -> Reading:
+def read(config: Config, scene: Scene, table: Table, contacts: Any = None, last: Any = None) -> Reading:
     """Return the reading of a run; ``table`` has the columns of its history by name.
 
     ``contacts``: number of contacts of bodies, if known; ``last``: numbers of the last sample by name. ConfigError
     where the run is not a flow of a rheometer.
     """
-    if any(body.slip_length for body in channel.bodies) or any(getattr(channel, "slip_lengths", ())):
+    if any(body.slip_length for body in scene.bodies) or any(getattr(scene, "slip_lengths", ())):
         raise ConfigError("its fluid slips along a wall (slip_length): it has another shear rate than the walls say")
     if config.scene in VISCOMETERS:
-        return read_viscometer(config.scene, channel, table, last)
-    if channel.has_free_bodies:
-        return read_suspension(channel, table, contacts)
-    if config.scene == "annulus":
-        fluid = spectrum(config.fluid.rheology, channel)
-        plane, wall, table = as_plane(channel, table)
+        return read_viscometer(config.scene, scene, table, last)
+    if isinstance(scene, Cell) and scene.has_free_bodies:
+        return read_suspension(scene, table, contacts)
+    fluid = spectrum(config.fluid.rheology, scene)
+    if isinstance(scene, Annulus):
+        plane, wall, table = as_plane(scene, table)
         return _by_velocity(config, plane, fluid, wall, table)
-    if channel.extra_series is None or "strain" not in table:
+    if not isinstance(scene, Channel) or scene.extra_series is None or "strain" not in table:
         raise ConfigError("its history has no wall stress: it is of a Newtonian fluid, or has not ended")
-    fluid = spectrum(config.fluid.rheology, channel)
     if "n1_mean" in table:
-        y = (np.arange(HEIGHTS)[:, None] + 0.5) * channel.gap / HEIGHTS
-        xx, _, yy = channel.exact_polymer_stress(y, table["t"])
+        y = (np.arange(HEIGHTS)[:, None] + 0.5) * scene.gap / HEIGHTS
+        xx, _, yy = scene.exact_polymer_stress(y, table["t"])
         table = {**table, "n1_exact": (xx - yy).mean(axis=0)}
-    if channel.driven_side is not None:
-        return _creep(channel, fluid, table)
-    moving = [side for side, wall in (("bottom", channel.bottom), ("top", channel.top)) if wall.largest_speed]
-    if len(moving) != 1 or channel.acceleration:
+    if scene.driven_side is not None:
+        return _creep(scene, fluid, table)
+    moving = [side for side, wall in zip(SIDES, scene.pair, strict=True) if wall.largest_speed]
+    if len(moving) != 1 or scene.acceleration:
         raise ConfigError("a rheometer has one moving wall, a wall at rest and no drive")
-    wall, (side,) = getattr(channel, moving[0]), moving
+    wall, (side,) = getattr(scene, moving[0]), moving
     sign = 1.0 if side == "top" else -1.0  # stress and strain of a lower wall have the other sign
     shears = {name.replace(f"_{side}", ""): sign * values for name, values in table.items() if "shear" in name}
-    return _by_velocity(config, channel, fluid, wall, {**table, **shears, "strain": table["strain"], "t": table["t"]})
+    plane = Sheared(scene, scene.gap, scene.top, scene.apparent_viscosity)
+    return _by_velocity(config, plane, fluid, wall, {**table, **shears, "strain": table["strain"], "t": table["t"]})
 
 
-def _by_velocity(config: Any, channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
+def _by_velocity(config: Config, plane: Sheared, fluid: Spectrum, wall: Any, table: Table) -> Reading:
     """Return the reading for a ``wall`` with a given velocity; ``table`` belongs to an upper wall."""
     if isinstance(wall, Schedule):
-        return read_schedule(config, channel, fluid, wall, table)
+        return read_schedule(config, plane, fluid, wall, table)
     if wall.oscillates:
-        return _oscillation(channel, fluid, wall, table)
-    return _start_up(channel.gap, uniform_shear(config.fluid.rheology, channel), wall, table)
+        return _oscillation(plane, fluid, wall, table)
+    return _start_up(plane.gap, uniform_shear(config.fluid.rheology, plane.flow), wall, table)
 
 
-def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Reading:
+def _oscillation(plane: Sheared, fluid: Spectrum, wall: Any, table: Table) -> Reading:
     """Return storage and loss modulus, apparent, corrected for inertia, and of the reference and the linear theory."""
-    frequency, gap = wall.angular_frequency, channel.gap
+    frequency, gap = wall.angular_frequency, plane.gap
     rate = np.hypot(wall.cosine, wall.sine) / gap
     t, first = _window(table["t"], frequency, fluid.longest_time)
     settled = np.exp(-t[0] / fluid.longest_time) < SETTLED if fluid.longest_time else True
@@ -322,7 +337,7 @@ def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Read
     exact = _amplitudes(t, table["wall_shear_exact"][first:], frequency, degree)
     apparent, reference = stress[1] / nominal, exact[1] / nominal
     theory = fluid.complex_viscosity(1j * frequency)
-    corrected = corrected_viscosity(apparent, lambda eta: channel.apparent_viscosity(eta, frequency), theory)
+    corrected = corrected_viscosity(apparent, lambda eta: plane.apparent_viscosity(eta, frequency), theory)
     modulus = {
         "apparent": 1j * frequency * apparent,
         "reference, apparent": 1j * frequency * reference,
@@ -353,7 +368,7 @@ def _oscillation(channel: Any, fluid: Spectrum, wall: Any, table: Table) -> Read
     for name, value in modulus.items():
         key = name.replace(",", "").replace(" ", "_")
         numbers |= {f"storage_modulus_{key}": float(value.real), f"loss_modulus_{key}": float(value.imag)}
-    strain = table["strain"][first:] if wall is channel.top else -table["strain"][first:]
+    strain = table["strain"][first:] if wall is plane.top else -table["strain"][first:]
     axis = Axes("strain", "shear stress at the moving wall", ("number", "stress"))
     omega = frequency * DECADES
     moduli = 1j * omega * fluid.complex_viscosity(1j * omega)
@@ -483,9 +498,10 @@ def _start_up(gap: float, law: UniformShear, wall: Any, table: Table) -> Reading
     return Reading("start-up" if rate else "cessation", lines, numbers, curves)
 
 
-def _creep(channel: Any, fluid: Spectrum, table: Table) -> Reading:
+def _creep(channel: Channel, fluid: Spectrum, table: Table) -> Reading:
     """Return the creep compliance of a wall under constant stress, recovery and free oscillation."""
-    side = ("bottom", "top")[channel.driven_side]
+    assert channel.driven_side is not None
+    side = SIDES[channel.driven_side]
     plate = getattr(channel, side)
     t, sign = table["t"], 1.0 if side == "top" else -1.0
     stress = float(plate.stress(t[1] * 0.5))

@@ -1,0 +1,1 @@
+"""Runs read as rheometers and viscometers: moduli, viscosities, compliances."""

@@ -97,7 +97,7 @@ AT_REST = "drive", "acceleration", (0.0, 0.0)
 def box():
     return SimpleNamespace(
         origin=(0.0, 0.0), extent=SIZE, periodic=(True, False), walls=(), bodies=(), spacing=0.05,
-        has_open_ends=False, drive_shown=AT_REST,
+        flows_through=False, drive_shown=AT_REST,
     )  # fmt: skip
 
 
@@ -131,7 +131,7 @@ def test_a_track_follows_its_particle_and_ends_at_a_periodic_side():
 ACROSS = 40
 BOX = SimpleNamespace(
     extent=(1.0, 1.0), origin=(0.0, 0.0), periodic=(True, True), spacing=1 / ACROSS, reference_velocity=1.0,
-    bodies=(), walls=(), has_open_ends=False, drive_shown=AT_REST, axisymmetric=False, seen=lambda snapshot: BOX,
+    bodies=(), walls=(), flows_through=False, drive_shown=AT_REST, axisymmetric=False, seen=lambda snapshot: BOX,
 )  # fmt: skip
 
 
@@ -209,7 +209,7 @@ def test_fluid_at_rest_and_a_run_that_went_wrong_have_no_lines():
 
 SCENE = SimpleNamespace(
     origin=(0.0, 0.0), extent=(1.0, 1.0), periodic=(True, True), spacing=1 / 40, reference_velocity=2.0,
-    bodies=(), walls=(), has_open_ends=False, drive_shown=AT_REST,
+    bodies=(), walls=(), flows_through=False, drive_shown=AT_REST,
 )  # fmt: skip
 LAYOUT = arrange(SCENE, 1280, 640)
 
@@ -260,7 +260,7 @@ PERIODS = (SIDE, SIDE)
 def make_scene(*bodies, periodic):
     return SimpleNamespace(
         bodies=bodies, periodic=(periodic, periodic), walls=(), origin=ORIGIN, extent=(SIDE, SIDE),
-        has_open_ends=False, drive_shown=AT_REST,
+        flows_through=False, drive_shown=AT_REST,
     )  # fmt: skip
 
 

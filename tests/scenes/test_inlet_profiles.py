@@ -7,7 +7,7 @@ from tisph import scenes
 from tisph.config import load
 from tisph.exact._fluids import fluid_of
 from tisph.exact.uniform_shear import UniformShear
-from tisph.scenes._stream import profile_of
+from tisph.scenes._ends import profile_of
 
 GAP, VELOCITY = 2.0, 0.5
 CHANNEL = f"""

@@ -35,6 +35,7 @@ class Table(Model):
 Named = Literal["developed", "parabolic", "uniform"]
 Profile = either(Named, Table, lambda value: isinstance(value, dict | Table), "a map of heights and velocities")
 
+Kind = Literal["inlet", "outlet"]
 MOTION_KEYS = ("velocity", "amplitude", "angular_frequency", "phase", "times", "velocities")
 
 
@@ -51,7 +52,7 @@ class End(Model):
 
     unset_keys = (*MOTION_KEYS, "profile", "pressure")
 
-    type: Literal["inlet", "outlet"]
+    type: Kind
     velocity: NonNegative | None = None
     amplitude: Signed | None = None
     angular_frequency: Positive | None = None

@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from tisph.config.base import REFUSED, SMALLEST, Model
+from tisph.config.ends import Kind
 from tisph.config.fields import OTHER_TAG, USUAL_TAG_START, Member, nearest
 from tisph.config.schema import FORMER_KEYS, Config, model_of
 from tisph.config.yaml_text import KeyPath, YamlTextError, in_one_line, parse
@@ -45,7 +46,7 @@ TEXTS = {
 
 HINTS = {
     "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
-    **dict.fromkeys(("inlet", "outlet", "ends"), "open ends are only for scene channel, in its section ends"),
+    **dict.fromkeys((*get_args(Kind), "ends"), "open ends are only for scene channel, in its section ends"),
     "fluid.viscosity": "dynamic_viscosity, or kinematic_viscosity = dynamic_viscosity / density",
     "slip": "nearest: slip_length of a wall or body, a length or infinite",
     "walls.type": "walls have no type: the fluid has their velocity, or slips with slip_length",

@@ -191,7 +191,7 @@ class Config(Model):
         return text[0].upper() + text[1:] if bodies else ""
 
     @property
-    def has_open_ends(self) -> bool:
+    def flows_through(self) -> bool:
         """Whether fluid flows in and out."""
         return getattr(self, "ends", None) is not None
 

@@ -175,7 +175,7 @@ class FlowInBox(FlowDefaults):
         return any(body.free for body in self.bodies)
 
     @property
-    def has_open_ends(self) -> bool:
+    def flows_through(self) -> bool:
         """Whether fluid flows in and out."""
         return any(isinstance(body, OpenEnd) for body in self.bodies)
 

@@ -10,7 +10,9 @@ from tisph.report import style
 from tisph.scenes._scene import Scene
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
-LONGEST_OPEN = 8.0  # heights likewise of a box with open ends: the flow is not periodic, and the outlet is a part of it
+LONGEST_OPEN = (
+    8.0  # heights likewise of a box that fluid flows through, whose ends are part of the flow
+)
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 _LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
 _LEAST_BOX = 400  # pixels likewise: width of the box with the labels beside it
@@ -108,7 +110,7 @@ def arrange(scene: Scene, width: int, height: int, theme: style.Theme = style.LI
     def px(size: float) -> int:
         return max(1, round(size * scale))
 
-    longest = LONGEST_OPEN if scene.has_open_ends else LONGEST_SHOWN
+    longest = LONGEST_OPEN if scene.flows_through else LONGEST_SHOWN
     shown = min(size_x, longest * size_y)
     wall = px(22) if scene.walls else 0
     left, top, bar, right = px(84), px(102) + wall, px(96), width - px(28)

@@ -51,21 +51,21 @@ def cell_problems(config: Config, bodies: Sequence[Body], walls: dict[str, Body]
     moving = any(largest_speed(body) or body.spin.largest_speed for body in (*bodies, *walls.values()))
     free: list[Any] = [body for body in bodies if body.free]
     pulled = any(any(body.motion.inertia.load) for body in free) or (free and config.drive.gravity)
-    if not (moving or pulled or config.has_open_ends or config.drive.acceleration):
+    if not (moving or pulled or config.flows_through or config.drive.acceleration):
         remedy = "give an acceleration, or let a body or a wall move"
         yield from still_problem(config, "drive.acceleration", remedy)
     held = any(wall.slip_length < math.inf or isinstance(wall.shape, EndToEnd) for wall in walls.values())
-    if config.drive.acceleration and not (held or bodies or config.has_open_ends):
+    if config.drive.acceleration and not (held or bodies or config.flows_through):
         text = "must be 0 where no wall has friction (slip_length: infinite): nothing holds the fluid"
         yield "drive.acceleration", text
     if config.contact and not free:
         yield "contact", "is for free bodies: give one the motion free, or leave it out"
     for index, body in enumerate(bodies):
-        if body.enters > config.start_time and not config.has_open_ends:
+        if body.enters > config.start_time and not config.flows_through:
             yield f"bodies.{index}.enters", "is for a channel with open ends: leave it out"
         elif body.enters >= config.time.end:
             yield f"bodies.{index}.enters", "must be before the end of the run"
-        if body.slip_length and free and config.has_open_ends:
+        if body.slip_length and free and config.flows_through:
             text = "must be left out between open ends with free bodies, which leave or enter"
             yield f"bodies.{index}.slip_length", text
     if config.drive.gravity and not free:
@@ -273,7 +273,7 @@ class Cell(CellFlow):
         """
         if not self.has_free_bodies:
             return self.time_series().only(("drag", "lift"), "force per length", "force")
-        if len(self._free) == 2 and not self.has_open_ends:
+        if len(self._free) == 2 and not self.flows_through:
             return self._distance_series()
         if self._means_only and self.mean_stress_names:
             return self._relative_viscosity_series()

@@ -5,53 +5,27 @@ touches, as between two long cylinders.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from tisph.config.base import Problem
 from tisph.config.schema import Config
 from tisph.geometry.body import Body, gap
 from tisph.geometry.line import Line
 from tisph.measures.fits import section_mean
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, layer_at_plates
+from tisph.scenes._ends import InletFlow, ends_of
 from tisph.scenes._scene import open_place
-from tisph.scenes._stream import InletFlow, OpenEnded, depends_on_flow_rate, end_problems, inlet_and_outlet
+from tisph.scenes._stream import OpenEnded
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.snapshot import Snapshot
 
 POINTS = 100
 """Points on each wall for the gaps between walls."""
-
-
-def stream_problems(config: Config, walls: dict[str, Body]) -> Iterator[Problem]:
-    """Yield the errors in a ``config`` with open ends around an axis, between ``walls`` by their keys."""
-    given = config.ends.inlet
-    if given is None:
-        yield "ends", "must be an inlet and an outlet: around an axis no pressures drive a flow yet"
-        return
-    for key, wall in walls.items():
-        if wall.motion.x.largest_speed:
-            yield key, "must not move along the axis: with open ends walls may only turn"
-        if wall.spin.oscillates or wall.spin.jump_times:
-            yield key, "must turn at a constant rate: with open ends the fluid enters with the swirl of the walls"
-    if config.fluid.polymer:
-        yield (
-            "fluid.rheology.type",
-            f"must have no polymer with open ends around an axis, as {config.fluid.rheology.type} has",
-        )
-    if depends_on_flow_rate(config) and config.geometry.inner_radius:
-        text = "must be parabolic, uniform or a table between two walls"
-        yield (
-            f"ends.{'left' if given is config.ends.left else 'right'}.profile",
-            f"{text}: no other developed flow is built in",
-        )
-        return
-    yield from end_problems(config)
 
 
 def swirl_between(walls: dict[str, Body], radii: Sequence[float]) -> tuple[float, float]:
@@ -165,8 +139,8 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
     def around(cls, config: Config, bodies: dict[str, Body], walls: dict[str, Body]) -> "StreamOfRevolution":
         """Return the scene of a validated ``config`` with ``bodies`` in the fluid between ``walls``, by their names."""
         low, across = config.geometry.inner_radius, config.extent[1]
-        inlet, outlet = inlet_and_outlet(config).values()
-        inlet = replace(inlet, swirl=swirl_between(walls, inlet.shape.extent[:, 1]))
+        first, last = ends_of(config).values()
+        inlet = replace(first, swirl=swirl_between(walls, first.shape.extent[:, 1]))
         return cls(
             **cls.fluid_of(config),
             length=config.extent[0],
@@ -174,7 +148,7 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
             outer_radius=low + across,
             periodic=(False, False),
             names=(*bodies, *walls),
-            bodies=(*bodies.values(), *walls.values(), inlet, outlet),
+            bodies=(*bodies.values(), *walls.values(), inlet, last),
             count=len(bodies),
             acceleration=0.0,
             singular=config.singular,

@@ -404,7 +404,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
         return
     named = {f"walls.{name}": wall for name, wall in walls_along(config).items()}
     if config.ends:
-        from tisph.scenes._stream import end_lines
+        from tisph.scenes._ends import end_lines
 
         named |= {f"ends.{side}": Body(line) for side, line in end_lines(config).items()}
     yield from cell_problems(config, bodies_of(config, named), named)
@@ -452,7 +452,7 @@ def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
 
 def _problems_with_ends(config: Config) -> Iterator[Problem]:
     """Yield the errors in the config of a channel with open ends."""
-    from tisph.scenes._stream import end_problems
+    from tisph.scenes._ends import end_problems
 
     for side in SIDES:
         wall = getattr(config.walls, side)

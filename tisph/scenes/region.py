@@ -30,10 +30,10 @@ from tisph.geometry.line import Line
 from tisph.geometry.polygon import Polygon
 from tisph.scenes import annulus
 from tisph.scenes._cell import Cell, Surroundings, bodies_of, cell_problems, planes, walls_along
+from tisph.scenes._ends import end_lines, stream_problems
 from tisph.scenes._initial import Contact, Drive, RestInitial, incommensurate_periods
-from tisph.scenes._region_of_revolution import RegionOfRevolution, StreamOfRevolution, stream_problems
+from tisph.scenes._region_of_revolution import RegionOfRevolution, StreamOfRevolution
 from tisph.scenes._scene import farthest
-from tisph.scenes._stream import end_lines
 from tisph.scenes.annulus import turning_of
 from tisph.scenes.channel import Wall, outlined_wall_problems
 

@@ -84,9 +84,9 @@ def resolve(config: Config) -> tuple[Any, str]:
             most = UNESTIMATED_COURANT[config.scheme.accuracy]
         else:
             tolerance = min(tolerance, of_the_spacing / config.particles_across**4)
-        if config.has_open_ends:
+        if config.flows_through:
             most = min(most, implicit.OPEN_COURANT)
-        if config.has_free_bodies or config.has_open_ends:
+        if config.has_free_bodies or config.flows_through:
             tolerance = of_parallel_flow  # across bodies and steps there are some ten particles, whatever the gap has
     else:
         tolerance, most = of_parallel_flow, strain

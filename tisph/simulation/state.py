@@ -80,7 +80,7 @@ def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarra
         present = [number for number, body in enumerate(bodies) if body.enters <= scene.start_time]
         found = Bodies.at(scene.start_time, [bodies[number] for number in present])
         state["bodies"] = found if len(present) == len(bodies) else found.among(present, len(bodies))
-    if scene.has_open_ends:
+    if scene.flows_through:
         state["passages"] = np.zeros(len(x), dtype=int)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
 

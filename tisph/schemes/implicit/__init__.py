@@ -126,7 +126,7 @@ def _problems_in_two_dimensions(config: Config) -> Iterator["Problem"]:
         yield "walls.treatment.type", f"{text}, but closes its operators itself: leave treatment out, or take wcsph"
     if config.scheme.type == "implicit" and config.scheme.operators.order != 4:
         yield "scheme.operators.order", "must be 4 in two-dimensional flow"
-    if config.scheme.type == "implicit" and config.has_open_ends and config.scheme.largest_courant > OPEN_COURANT:
+    if config.scheme.type == "implicit" and config.flows_through and config.scheme.largest_courant > OPEN_COURANT:
         yield "scheme.largest_courant", f"must be at most {OPEN_COURANT:g} in flow through open ends"
 
 

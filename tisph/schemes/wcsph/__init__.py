@@ -61,7 +61,7 @@ def problems(config: Config) -> Iterator[Problem]:
 
 
 def _problems_around_bodies(config: Config) -> Iterator[Problem]:
-    if config.has_open_ends:
+    if config.flows_through:
         yield "scheme.type", "wcsph has no open ends; take auto or implicit"
     elif not hasattr(getattr(config, "walls", None), "treatment"):
         yield "scheme.type", f"wcsph has no wall treatment for scene {config.scene}; take implicit"

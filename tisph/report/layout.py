@@ -10,9 +10,7 @@ from tisph.report import style
 from tisph.scenes._scene import Scene
 
 LONGEST_SHOWN = 4.0  # heights: of a longer box this much is shown, or its discs would be too small to see
-LONGEST_OPEN = (
-    8.0  # heights likewise of a box that fluid flows through, whose ends are part of the flow
-)
+LONGEST_OPEN = 8.0  # heights likewise of a box that fluid flows through, whose ends are part of the flow
 RIM = 0.04  # of the longer side of a box that bodies bound: so much of them is shown
 _LEAST_PANEL = 340, 170  # pixels in a frame of 1280 x 640: width and height of a panel beside the box
 _LEAST_BOX = 400  # pixels likewise: width of the box with the labels beside it

@@ -5,15 +5,13 @@ The constants say which rheologies, ways to drive a wall and wall treatments at 
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tisph import registry
+from tisph.config.base import Problem
 from tisph.config.schema import Config
-
-if TYPE_CHECKING:
-    from tisph.config.base import Problem
-    from tisph.scenes._scene import Scene
-    from tisph.schemes._protocol import Scheme, SchemeEstimates, SchemeMember
+from tisph.scenes._scene import Scene
+from tisph.schemes._protocol import Scheme, SchemeEstimates, SchemeMember
 
 EXPLICIT_RHEOLOGIES = ("newtonian", "oldroyd_b")
 """Rheologies of the explicit scheme; the implicit scheme serves each that has a ``Law``, and ``multi_mode``."""
@@ -35,7 +33,7 @@ def resolve(config: Config) -> tuple[Any, str]:
     return member.resolve(config) if hasattr(member, "resolve") else (config, config.scheme.type)
 
 
-def build(config: Config, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the scheme of a ``resolve``-d config in a ``scene``, with steps that end on the times ``targets`` exactly.
 
     ``serial`` compiles loops without threads. Here, and not before, Taichi is imported.
@@ -56,16 +54,16 @@ def orders(config: Config) -> tuple[float, float]:
     return _member(config).orders(config)
 
 
-def estimates(config: Config, scene: "Scene") -> "SchemeEstimates":
+def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run of a ``resolve``-d config in a ``scene``."""
     return _member(config).estimates(config, scene)
 
 
-def _member(config: Config) -> "SchemeMember":
+def _member(config: Config) -> SchemeMember:
     return registry.load("schemes", config.scheme.type)
 
 
-def unsupported(config: Config, scheme: str) -> Iterator["Problem"]:
+def unsupported(config: Config, scheme: str) -> Iterator[Problem]:
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
     slipping = next(slipping_walls(config), None)
@@ -101,7 +99,7 @@ def slipping_walls(config: Config) -> Iterator[str]:
     yield from (key for key, wall in named.items() if getattr(wall, "slip_length", None))
 
 
-def unused(config: Config, chosen: str, reason: str = "") -> Iterator["Problem"]:
+def unused(config: Config, chosen: str, reason: str = "") -> Iterator[Problem]:
     """Yield dotted key and text of each key without effect where scheme ``chosen`` runs, unless it has its default.
 
     ``reason``: why scheme ``auto`` does not choose ``implicit``.

@@ -6,15 +6,12 @@ The implicit scheme of order 4 is faster at every error that both schemes reach,
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from tisph import registry
-from tisph.config.base import Model
+from tisph.config.base import Model, Problem
 from tisph.config.schema import Config
 from tisph.schemes import unsupported, unused
-
-if TYPE_CHECKING:
-    from tisph.config.base import Problem
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that the schemes can serve, by whether they are periodic in x and y."""
@@ -46,7 +43,7 @@ class Parameters(Model):
     accuracy: Literal["fast", "balanced", "high"] = "balanced"
 
 
-def problems(config: Config) -> Iterator["Problem"]:
+def problems(config: Config) -> Iterator[Problem]:
     """Yield dotted key and text of everything in a config that the chosen scheme cannot serve."""
     implicit = registry.load("schemes", "implicit")
     if not config.parallel:  # only the implicit scheme is chosen, with either step control

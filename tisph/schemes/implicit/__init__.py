@@ -10,22 +10,19 @@ Two-dimensional flow (``schemes/implicit/planar``): velocity, pressure and motio
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from tisph.config.base import Model
+from tisph.config.base import Model, Problem
 from tisph.config.schema import Config
 from tisph.numerics import SKIN, SUPPORT
 from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.schemes import unsupported, unused
+from tisph.schemes._protocol import Scheme, SchemeEstimates
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
 from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
-
-if TYPE_CHECKING:
-    from tisph.config.base import Problem
-    from tisph.schemes._protocol import Scheme, SchemeEstimates
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can serve, by whether they are periodic in x and y."""
@@ -56,7 +53,7 @@ class Parameters(Model):
     largest_courant: Annotated[float, Field(gt=0, le=3)] = 0.3
 
 
-def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the scheme of parallel flow for a scene of parallel flow, else the scheme of two-dimensional flow."""
     if not isinstance(scene, Channel):
         from tisph.schemes.implicit import planar
@@ -101,7 +98,7 @@ OPEN_COURANT = 1.0
 1e-9 at the inlet grew to 3e-3 of the velocity, in a parabola with 41 across; with 1 they did not grow."""
 
 
-def problems(config: Config) -> Iterator["Problem"]:
+def problems(config: Config) -> Iterator[Problem]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "implicit")
     if config.scheme.type == "implicit":
@@ -117,7 +114,7 @@ def problems(config: Config) -> Iterator["Problem"]:
         yield "walls.treatment.type", f"{text}; take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
 
 
-def _problems_in_two_dimensions(config: Config) -> Iterator["Problem"]:
+def _problems_in_two_dimensions(config: Config) -> Iterator[Problem]:
     if min(config.columns, config.rows) < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS} along x and y"
         yield "discretisation.particles_across", f"{text}: the neighbour search of scheme implicit needs three cells"
@@ -130,7 +127,7 @@ def _problems_in_two_dimensions(config: Config) -> Iterator["Problem"]:
         yield "scheme.largest_courant", f"must be at most {OPEN_COURANT:g} in flow through open ends"
 
 
-def estimates(config: Config, scene: Scene) -> "SchemeEstimates":
+def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run of this scheme for ``tisph check``."""
     if not isinstance(scene, Channel):
         from tisph.schemes.implicit import planar

@@ -5,7 +5,7 @@ The steps, and the kernel that takes one, are in ``_scheme.py``.
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -13,13 +13,11 @@ from tisph.config import schema
 from tisph.config.base import Model, Problem
 from tisph.config.fields import member_name
 from tisph.config.schema import Config
+from tisph.scenes._scene import Scene
 from tisph.schemes import AROUND_BODIES, unsupported
+from tisph.schemes._protocol import Scheme, SchemeEstimates
 from tisph.schemes.wcsph.equation_of_state import Tait
 from tisph.schemes.wcsph.kernels import list_radius
-
-if TYPE_CHECKING:
-    from tisph.scenes._scene import Scene
-    from tisph.schemes._protocol import Scheme, SchemeEstimates
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that the scheme can serve, by whether they are periodic in x and y."""
@@ -38,7 +36,7 @@ class Parameters(Model):
     artificial_viscosity: float = Field(default=0.0, ge=0, le=10)
 
 
-def build(config: Config, scene: "Scene", targets: Sequence[float], serial: bool) -> "Scheme":
+def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the scheme of a scene, with steps that end on the times ``targets`` exactly."""
     from tisph.schemes.wcsph._scheme import ExplicitScheme
 
@@ -95,7 +93,7 @@ def orders(config: Config) -> tuple[float, float]:
     return 1.0, 3.5
 
 
-def estimates(config: Config, scene: "Scene") -> "SchemeEstimates":
+def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run of this scheme for ``tisph check``."""
     from tisph.schemes._estimate import explicit
 

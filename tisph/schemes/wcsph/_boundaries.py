@@ -19,7 +19,7 @@ Without the slope the wall shear stress of start-up flow converges with the firs
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from tisph import registry
 from tisph.config.schema import Config
 from tisph.numerics.domain import ChannelDomain, Lattice, PeriodicDomain
 from tisph.runtime import ti, view
+from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.schemes._momentum import MomentumBalance
 from tisph.schemes._step_control import Kept
@@ -34,9 +35,6 @@ from tisph.schemes.wcsph.operators._pairs import PairOperators
 from tisph.schemes.wcsph.verlet import VerletLists
 from tisph.schemes.wcsph.walls._treatment import WallTreatment
 from tisph.snapshot import Snapshot
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
 
 
 class Boundary(Kept):
@@ -145,7 +143,7 @@ class PlaneWalls(Boundary):
 
     kept = "drift", "built_velocity"
 
-    def __init__(self, config: Config, channel: "Channel", radius: float):
+    def __init__(self, config: Config, channel: Channel, radius: float):
         self.channel, self.parameters = channel, config.walls.treatment
         self.box = channel
         self.treatment = registry.load("walls", self.parameters.type).treatments().channel

@@ -1,12 +1,10 @@
 """The weakly compressible fluid as kernels see it: numbers in fields, which are not compiled in."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tisph.runtime import scalar, ti
+from tisph.scenes._scene import Scene
 from tisph.schemes.wcsph.equation_of_state import Tait, series
-
-if TYPE_CHECKING:
-    from tisph.scenes._scene import Scene
 
 
 @ti.data_oriented
@@ -18,7 +16,7 @@ class Fluid:
     law of the stress that particles carry (``Stress`` of a rheology), None for a Newtonian fluid.
     """
 
-    def __init__(self, scene: "Scene", equation_of_state: Tait, sound_speed: float, stress: Any):
+    def __init__(self, scene: Scene, equation_of_state: Tait, sound_speed: float, stress: Any):
         self.stress = stress
         self.carries_stress = stress is not None
         self.gamma = equation_of_state.gamma

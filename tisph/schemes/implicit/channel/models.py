@@ -17,14 +17,12 @@ magnitude.
 """
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tisph.scenes._channel import Channel
 from tisph.schemes._local_newton import SMALL, Modes, eliminate, matrix, solve
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
 
 
 class ViscoelasticModel(Modes):
@@ -36,7 +34,7 @@ class ViscoelasticModel(Modes):
     def __init__(self, rheology: Any, kinematic_viscosity: float) -> None:
         super().__init__(rheology, kinematic_viscosity, conformation_excess)
 
-    def initial(self, channel: "Channel", heights: np.ndarray) -> np.ndarray:
+    def initial(self, channel: Channel, heights: np.ndarray) -> np.ndarray:
         """Return C at ``heights`` of a channel when the run starts."""
         modes = channel.initial_conformation_excess(heights)
         states = [[xx - xy * xy / (1.0 + others[0]), xy, *others] for xx, xy, *others in modes]
@@ -106,7 +104,7 @@ class NewtonianModel:
 
     components = 0
 
-    def initial(self, channel: "Channel", heights: np.ndarray) -> np.ndarray:
+    def initial(self, channel: Channel, heights: np.ndarray) -> np.ndarray:
         """Return the states at ``heights``, (0, n)."""
         return np.zeros((0, np.size(heights)))
 
@@ -161,7 +159,7 @@ StressModel = ViscoelasticModel | InelasticModel
 FluidModel = StressModel | NewtonianModel
 
 
-def model_of(rheology: Any, channel: "Channel") -> FluidModel:
+def model_of(rheology: Any, channel: Channel) -> FluidModel:
     """Return the model of a fluid's extra stress.
 
     At a wall of unknown velocity a Newtonian fluid counts as inelastic: the wall needs its shear stress.

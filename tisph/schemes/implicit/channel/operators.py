@@ -25,7 +25,7 @@ as four of Jacobi.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +34,9 @@ from tisph.numerics.bicgstab import BiCGStab
 from tisph.numerics.least_squares import FEW, LeastSquaresOperators
 from tisph.numerics.point_cloud import LANES, PointCloud
 from tisph.runtime import holding, real, scalar, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes.implicit.channel.step import ClosedOperators
 from tisph.schemes.implicit.channel.walls import Series, stress_excess
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
 
 UNKNOWNS = 6
 """Terms of the fit at a mirror point."""
@@ -72,9 +70,7 @@ class Ghosts:
     source: Any
     """Field of the particle that each ghost mirrors; only of mirror images."""
 
-    def __init__(
-        self, points: PointCloud, channel: "Channel", cutoff: float, even_reflection: tuple[bool, ...]
-    ) -> None:
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
         self.points, self.gap, self.cutoff, self.even_reflection = points, channel.gap, cutoff, even_reflection
         self.count, self.needed = points.ghosts, 0
         self.side, self.depth = np.empty(0, dtype=np.int64), np.empty(0)
@@ -152,14 +148,12 @@ class Ghosts:
 class MirrorGhosts(Ghosts):
     """Mirror images: ghost k is the image of particle ``source[k]``."""
 
-    def __init__(
-        self, points: PointCloud, channel: "Channel", cutoff: float, even_reflection: tuple[bool, ...]
-    ) -> None:
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
         super().__init__(points, channel, cutoff, even_reflection)
         self.source = ti.field(ti.i32, shape=points.ghost_slots)
 
     @staticmethod
-    def ghost_capacity(channel: "Channel", cutoff: float) -> int:
+    def ghost_capacity(channel: Channel, cutoff: float) -> int:
         """Return the number of ghosts for which there must be space: up to 1.5 times as many rows as on a lattice."""
         rows = math.ceil(1.5 * cutoff / channel.spacing) + 1
         return 2 * min(rows, channel.rows) * channel.columns
@@ -200,9 +194,7 @@ class FixedGhosts(Ghosts):
 
     mirrors = True
 
-    def __init__(
-        self, points: PointCloud, channel: "Channel", cutoff: float, even_reflection: tuple[bool, ...]
-    ) -> None:
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
         super().__init__(points, channel, cutoff, even_reflection)
         self.share = ti.field(real(), shape=points.entries)
         self.radius = scalar(cutoff)
@@ -210,11 +202,11 @@ class FixedGhosts(Ghosts):
         self.place(channel)
 
     @staticmethod
-    def ghost_capacity(channel: "Channel", cutoff: float) -> int:
+    def ghost_capacity(channel: Channel, cutoff: float) -> int:
         """Return the number of ghosts: all layers within cutoff."""
         return 2 * min(math.ceil(cutoff / channel.spacing), channel.rows) * channel.columns
 
-    def place(self, channel: "Channel") -> None:
+    def place(self, channel: Channel) -> None:
         """Place the ghosts on the lattice, where they stay."""
         layers = self.points.ghost_capacity // (2 * channel.columns)
         layer, column = np.divmod(np.arange(layers * channel.columns), channel.columns)
@@ -301,7 +293,7 @@ class ClosedParticleOperators(ClosedOperators):
     ``coupled``: whether there is an extra stress.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel", coupled: bool) -> None:
+    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel, coupled: bool) -> None:
         self.operators, self.ghosts, self.points = operators, ghosts, operators.points
         self.viscosity, self.coupled = channel.solvent_viscosity, coupled
         self.solver: Any = (CoupledSolver if coupled else ViscousSolver)(operators, ghosts, channel)
@@ -401,7 +393,7 @@ class ViscousSolver(BiCGStab):
     the kernels of two levels take as long to compile as they save in a whole run.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel") -> None:
+    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel) -> None:
         super().__init__(operators, ghosts)
         self.channel = channel
         self.two_level: Any = None
@@ -431,7 +423,7 @@ class CoupledSolver(BiCGStab):
     with ``even_reflection``.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel") -> None:
+    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel) -> None:
         super().__init__(operators, ghosts)
         self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=True)
         self.tangent, self.tangent_stress = self.points.field(real()), ti.field(real(), self.points.slots + 1)
@@ -502,7 +494,7 @@ class LayerCoarseSpace:
     have a tangent.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: "Channel", coupled: bool) -> None:
+    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel, coupled: bool) -> None:
         self.operators, self.points, self.ghosts, self.coupled = operators, operators.points, ghosts, coupled
         self.spacing, self.number = channel.spacing, channel.rows
         self.layers_identical = False

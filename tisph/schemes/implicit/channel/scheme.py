@@ -14,7 +14,7 @@ known.
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from tisph.numerics.least_squares import LeastSquaresOperators
 from tisph.numerics.point_cloud import PointCloud
 from tisph.numerics.shifting import OverlapShifting
 from tisph.runtime import real, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import momentum_terms
 from tisph.schemes._step_control import StepControl
@@ -45,9 +46,6 @@ from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
 from tisph.schemes.implicit.channel.walls import WallPair
 from tisph.snapshot import STRESSES, Snapshot
 
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
-
 RESOLVED = 2.0
 """Thickness sqrt(nu t) of a layer, in particle spacings, from which on derivatives of the velocity are accurate."""
 
@@ -64,7 +62,7 @@ class ChannelScheme(ControlledScheme):
 
     kept = (*ControlledScheme.kept, "velocity_sum", "wall_impulse")
 
-    def __init__(self, config: Config, channel: "Channel", control: StepControl, serial: bool) -> None:
+    def __init__(self, config: Config, channel: Channel, control: StepControl, serial: bool) -> None:
         order = config.scheme.operators.order
         cutoff = (SUPPORT[order] + SKIN) * channel.spacing
         kind = FixedGhosts if config.walls.treatment.type == "virtual_image" else MirrorGhosts
@@ -218,7 +216,7 @@ class Particles:
         operators: LeastSquaresOperators,
         ghosts: Ghosts,
         closed: ClosedParticleOperators,
-        channel: "Channel",
+        channel: Channel,
         components: int,
     ) -> None:
         self.operators, self.ghosts, self.closed, self.points = operators, ghosts, closed, operators.points
@@ -408,7 +406,7 @@ class WallForce:
     """Forces of the ``walls`` on the particles, by the mean velocities and extra stresses of a step."""
 
     def __init__(
-        self, closed: ClosedParticleOperators, walls: WallPair, extra: NoExtraStress, channel: "Channel"
+        self, closed: ClosedParticleOperators, walls: WallPair, extra: NoExtraStress, channel: Channel
     ) -> None:
         self.closed, self.operators, self.ghosts = closed, closed.operators, closed.ghosts
         self.walls, self.extra, self.acceleration = walls, extra, channel.acceleration

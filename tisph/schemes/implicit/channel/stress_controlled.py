@@ -21,13 +21,14 @@ through the velocities of the particles near it less their odd part.
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.geometry.motion import StressControlledWall
+from tisph.scenes._channel import Channel
 from tisph.schemes.implicit.channel.models import StressModel, model_of
 from tisph.schemes.implicit.channel.step import (
     DEFECT,
@@ -48,9 +49,6 @@ from tisph.schemes.implicit.channel.walls import (
     one_sided,
 )
 
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
-
 MOST_ITERATIONS = 60
 ROUND_OFF = 1e-13
 """Newton iterations for the shear rate at a massless wall: largest number, and relative residual at which they end."""
@@ -65,7 +63,7 @@ class WallOfGivenStress(CoupledWall):
 
     prescribed = False
 
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel, control: Any) -> None:
+    def __init__(self, channel: Channel, side: int, obeys_momentum: bool, model: StressModel, control: Any) -> None:
         self.control, self.mass, self.friction = control, control.mass_per_area, control.friction
         super().__init__(channel, side, obeys_momentum, model)
 
@@ -374,7 +372,7 @@ class MasslessWall(WallOfGivenStress):
             raise DivergedError("u: the shear rate at the stress-controlled wall is not finite")
 
 
-def wall_pair_of(config: Config, channel: "Channel") -> WallPair:
+def wall_pair_of(config: Config, channel: Channel) -> WallPair:
     """Return the walls of a ``channel`` with the wall treatment and the fluid of a ``config``."""
     model, obeys_momentum = model_of(config.fluid.rheology, channel), OBEY_MOMENTUM[config.walls.treatment.type]
     walls: list[PrescribedWall] = []

@@ -34,15 +34,13 @@ and the polymer stays at rest.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tisph.scenes._channel import Channel
 from tisph.schemes.implicit.channel.models import FluidModel, StressModel
 from tisph.schemes.implicit.channel.step import GAMMA, B, C, ClosedOperators, FlowState, Solution, explicit_part
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Wall treatments of the implicit scheme, and whether their series follow from the momentum equation."""
@@ -64,7 +62,7 @@ class WallPair:
     not given, or along which the fluid slips.
     """
 
-    def __init__(self, channel: "Channel", walls: "Sequence[PrescribedWall]", model: FluidModel) -> None:
+    def __init__(self, channel: Channel, walls: "Sequence[PrescribedWall]", model: FluidModel) -> None:
         self.channel, self.walls, self.model = channel, walls, model
         self.obeys_momentum = walls[0].obeys_momentum
         self.coupled = isinstance(model, StressModel)
@@ -209,7 +207,7 @@ class PrescribedWall:
     defect = 0.0
     kept: tuple[str, ...] = ()
 
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool) -> None:
+    def __init__(self, channel: Channel, side: int, obeys_momentum: bool) -> None:
         self.channel, self.side, self.obeys_momentum = channel, side, obeys_momentum
         self.viscosity = channel.solvent_viscosity
         self.normal_sign = 1.0 if side == 0 else -1.0
@@ -317,7 +315,7 @@ class CoupledWall(PrescribedWall):
 
     kept: tuple[str, ...] = ("slope", "third")
 
-    def __init__(self, channel: "Channel", side: int, obeys_momentum: bool, model: StressModel) -> None:
+    def __init__(self, channel: Channel, side: int, obeys_momentum: bool, model: StressModel) -> None:
         super().__init__(channel, side, obeys_momentum)
         self.model = model
         self.forget()

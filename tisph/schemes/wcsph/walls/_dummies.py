@@ -6,22 +6,20 @@ In a channel they are rows of the lattice, in bodies of any smooth shape layers 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tisph.geometry.body import Body
+from tisph.geometry.shape import Boundary, Shape
 from tisph.numerics.domain import ChannelDomain
 from tisph.runtime import real, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes.wcsph._fluid import Fluid
 from tisph.schemes.wcsph.verlet import VerletLists
 from tisph.schemes.wcsph.walls import WallParameters
 from tisph.schemes.wcsph.walls._treatment import SolidWalls, WallTreatment
 from tisph.size_class import size_class
-
-if TYPE_CHECKING:
-    from tisph.geometry.body import Body
-    from tisph.geometry.shape import Boundary, Shape
-    from tisph.scenes._channel import Channel
 
 
 @ti.data_oriented
@@ -64,11 +62,11 @@ class DummyWalls(Dummies):
     domain: ChannelDomain
 
     @staticmethod
-    def wall_slots(channel: "Channel", cutoff: float) -> tuple[int, int]:
+    def wall_slots(channel: Channel, cutoff: float) -> tuple[int, int]:
         """Return the number of dummy particles, in layers as deep as ``cutoff`` on both walls, and 0 for images."""
         return 2 * _layers(channel.spacing, cutoff) * channel.columns, 0
 
-    def load(self, channel: "Channel") -> None:
+    def load(self, channel: Channel) -> None:
         """Place the dummy particles on the lattice continued beyond both walls, at rest relative to them."""
         depth = _layers(channel.spacing, self.lists.radius)
         column, layer = np.meshgrid(np.arange(channel.columns), np.arange(depth))
@@ -133,7 +131,7 @@ class Layers:
         return float(max(farthest))
 
 
-def layers_in(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Layers:
+def layers_in(bodies: Sequence[Body], spacing: float, cutoff: float) -> Layers:
     """Return the ``Layers`` of bodies at the depths (k + 1/2) ``spacing`` within ``cutoff`` of a particle at the wall.
 
     In each layer particles are about a spacing apart; there is none where the wall's centre of curvature is nearer.
@@ -151,7 +149,7 @@ def layers_in(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Layers
     return Layers(np.concatenate(places), np.concatenate(wall_points), np.concatenate(numbers))
 
 
-def _outline(shape: "Shape", spacing: float, depth: float) -> "Boundary | None":
+def _outline(shape: Shape, spacing: float, depth: float) -> Boundary | None:
     """Return wall points for a layer at ``depth`` behind the wall, whose particles are a ``spacing`` apart.
 
     None where the centre of curvature is nearer than ``depth``.
@@ -180,7 +178,7 @@ class LayerWalls(Dummies, SolidWalls):
         fluid: Fluid,
         parameters: WallParameters | None,
         layers: Layers,
-        bodies: Sequence["Body"],
+        bodies: Sequence[Body],
         origin: np.ndarray,
     ):
         super().__init__(lists, kernel, fluid, parameters, bodies, origin)
@@ -193,7 +191,7 @@ class LayerWalls(Dummies, SolidWalls):
         self.sorted.used = None
 
     @staticmethod
-    def arrange(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Layers:
+    def arrange(bodies: Sequence[Body], spacing: float, cutoff: float) -> Layers:
         """Return the ``Layers`` of bodies, for lists of the radius ``cutoff``."""
         return layers_in(bodies, spacing, cutoff)
 

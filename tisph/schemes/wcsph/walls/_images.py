@@ -23,22 +23,20 @@ the order of their sources, so that image k is found without a search.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from tisph.geometry.body import Body
 from tisph.numerics.counting_sort import counting_sort
 from tisph.numerics.domain import ChannelDomain
 from tisph.runtime import integer, real, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes.wcsph._fluid import Fluid
 from tisph.schemes.wcsph.cells import cell_rows
 from tisph.schemes.wcsph.verlet import VerletLists
 from tisph.schemes.wcsph.walls import WallParameters
 from tisph.schemes.wcsph.walls._treatment import SolidWalls, WallTreatment
-
-if TYPE_CHECKING:
-    from tisph.geometry.body import Body
-    from tisph.scenes._channel import Channel
 
 ROOM = 1.5
 """Room for images over the number of particles of the lattice that have images."""
@@ -56,7 +54,7 @@ class ImageWalls(WallTreatment):
         self.first_top = integer(0)
 
     @staticmethod
-    def wall_slots(channel: "Channel", cutoff: float) -> tuple[int, int]:
+    def wall_slots(channel: Channel, cutoff: float) -> tuple[int, int]:
         """Return no dummy particles, and the room for images of a row of cells at each wall."""
         row = math.ceil(channel.rows / cell_rows(channel, cutoff) + 1) * channel.columns
         return 0, min(2 * channel.rows * channel.columns, math.ceil(2 * ROOM * row))
@@ -156,7 +154,7 @@ class CircleImages(SolidWalls):
         fluid: Fluid,
         parameters: WallParameters | None,
         images: Images,
-        bodies: Sequence["Body"],
+        bodies: Sequence[Body],
         origin: np.ndarray,
     ):
         super().__init__(lists, kernel, fluid, parameters, bodies, origin)
@@ -177,7 +175,7 @@ class CircleImages(SolidWalls):
         self.displacement_factor = 0.5 * (1.0 + farthest)  # mean of a particle and an image: a list has one of each
 
     @staticmethod
-    def arrange(bodies: Sequence["Body"], spacing: float, cutoff: float) -> Images:
+    def arrange(bodies: Sequence[Body], spacing: float, cutoff: float) -> Images:
         """Return the ``Images`` in ``bodies``, which are circles, for lists of the radius ``cutoff``."""
         rings = sum(body.shape.length + 2 * math.pi * cutoff for body in bodies) * cutoff
         return Images((0, math.ceil(ROOM * rings / spacing**2)))

@@ -2,19 +2,17 @@
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
+from tisph.geometry.body import Body
 from tisph.numerics.domain import ChannelDomain, PeriodicDomain
 from tisph.runtime import real, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes.wcsph._fluid import Fluid
 from tisph.schemes.wcsph.verlet import VerletLists
 from tisph.schemes.wcsph.walls import WallParameters
-
-if TYPE_CHECKING:
-    from tisph.geometry.body import Body
-    from tisph.scenes._channel import Channel
 
 
 @ti.data_oriented
@@ -42,7 +40,7 @@ class WallTreatment:
         self.lists = lists
 
     @staticmethod
-    def wall_slots(channel: "Channel", cutoff: float) -> tuple[int, int]:
+    def wall_slots(channel: Channel, cutoff: float) -> tuple[int, int]:
         """Return the number of dummy particles and the room for images, for lists of the radius ``cutoff``."""
         return 0, 0
 
@@ -113,7 +111,7 @@ class SolidWalls(WallTreatment):
         kernel: Any,
         fluid: Fluid,
         parameters: WallParameters | None,
-        bodies: Sequence["Body"],
+        bodies: Sequence[Body],
         origin: np.ndarray,
     ):
         super().__init__(lists, kernel, fluid, parameters)
@@ -126,7 +124,7 @@ class SolidWalls(WallTreatment):
         self.angular_velocity, self.angular_acceleration = (ti.field(real(), shape=len(bodies)) for _ in range(2))
 
     @staticmethod
-    def arrange(bodies: Sequence["Body"], spacing: float, cutoff: float) -> WallParticles:
+    def arrange(bodies: Sequence[Body], spacing: float, cutoff: float) -> WallParticles:
         """Return the wall particles of ``bodies``, a ``spacing`` apart, for lists of the radius ``cutoff``."""
         raise NotImplementedError
 

@@ -18,17 +18,15 @@ u_y and v_y come from the particles near each point: f - f_W = a d + b d^2 is fi
 distance d from the wall, with two rows in reach the one-sided difference (-8 f_W + 9 f_1 - f_2)/(6 d).
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from tisph.runtime import integer, real, scalar, ti, view
+from tisph.scenes._channel import Channel
 from tisph.schemes.wcsph._fluid import Fluid
 from tisph.schemes.wcsph.verlet import VerletLists
 from tisph.size_class import size_class
-
-if TYPE_CHECKING:
-    from tisph.scenes._channel import Channel
 
 STEP = 1e-4
 """Step of the one-sided difference that gives the slope of the initial stress at the walls, over the gap."""
@@ -61,7 +59,7 @@ class WallStress:
         """Return the fields that a step changes."""
         return [self.compression, self.stress, self.mid_stress, self.slope, self.mid_slope]
 
-    def load(self, channel: "Channel") -> None:
+    def load(self, channel: Channel) -> None:
         """Set stress and slope of the points from the initial polymer stress of the fluid."""
         step = STEP * channel.gap
         inside = step * np.arange(3)

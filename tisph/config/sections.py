@@ -78,6 +78,16 @@ class Fluid(Model):
     rheology: Annotated[Any, Rheology] = Field(default_factory=Rheology.default)
 
     @property
+    def newtonian(self) -> bool:
+        """Whether the stress is proportional to the rate of deformation."""
+        return self.rheology.type == "newtonian"
+
+    @property
+    def linear(self) -> bool:
+        """Whether flows of the fluid in a channel add up."""
+        return self.rheology.type in ("newtonian", "oldroyd_b")
+
+    @property
     def polymer(self) -> Any:
         """The rheology where it has a polymer, else None."""
         return self.rheology if self.rheology.carries_stress else None

@@ -11,7 +11,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -112,6 +112,9 @@ class Body:
     it is in the fluid. ``slip_length`` [length]: the fluid at the wall is faster than the wall by this times the shear
     stress over the viscosity. ValueError for a line that turns. Points, velocities and accelerations have shape (n, 2).
     """
+
+    solid: ClassVar[bool] = True
+    """Whether it is a body or a wall, and no end that the fluid passes through."""
 
     shape: Shape
     centre: tuple[float, float] = (0.0, 0.0)

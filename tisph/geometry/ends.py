@@ -34,6 +34,7 @@ class OpenEnd(Body):
     """A line along y that the fluid passes through; if ``axisymmetric`` the surface that it sweeps around y = 0."""
 
     steady: ClassVar[bool] = False
+    solid: ClassVar[bool] = False
 
     shape: Line
     axisymmetric: bool = False

@@ -14,7 +14,6 @@ import numpy as np
 
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
-from tisph.geometry.ends import OpenEnd
 from tisph.geometry.outline import EndToEnd
 from tisph.snapshot import Snapshot
 
@@ -155,6 +154,11 @@ class FlowInBox(FlowDefaults):
         return PolymerParameters.of(self.rheology)
 
     @property
+    def linear(self) -> bool:
+        """Whether flows of the fluid in a channel add up: it is Newtonian or an Oldroyd-B fluid."""
+        return self.rheology is None or self.rheology.type == "oldroyd_b"
+
+    @property
     def components(self) -> int:
         """Number of velocity components: u and v, and w in axisymmetric flow."""
         return 3 if self.axisymmetric else 2
@@ -177,7 +181,7 @@ class FlowInBox(FlowDefaults):
     @property
     def flows_through(self) -> bool:
         """Whether fluid flows in and out."""
-        return any(isinstance(body, OpenEnd) for body in self.bodies)
+        return not all(body.solid for body in self.bodies)
 
     @property
     def walls(self) -> tuple[tuple[str, Any], ...]:

@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.body import Body, Placement
-from tisph.geometry.ends import OpenEnd
 from tisph.geometry.line import Line
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
@@ -59,7 +58,7 @@ class Solids:
         self._layout = layout
         self._shape = layout.box.shape
         self._pen = Discs(max(0.5, 0.9 * layout.scale), self._shape)
-        length, solids = _MARK_LENGTH * max(scene.extent), [not isinstance(body, OpenEnd) for body in scene.bodies]
+        length, solids = _MARK_LENGTH * max(scene.extent), [body.solid for body in scene.bodies]
         self._chosen = np.flatnonzero(solids)
         self._solids = [_kind(scene.bodies[k])(scene.bodies[k], layout, length) for k in self._chosen]
         self._position: tuple[bytes, ...] | None = None
@@ -424,7 +423,7 @@ class Streamlines:
             places = (points - [axis[0] for axis in self._axes]) / self._pitch
             last = np.array(psi.shape[::-1]) - 1.0
             places = places[(np.abs(places - 0.5 * last) < 0.5 * last + 0.5).all(axis=1)]
-            if len(places) and not isinstance(body, OpenEnd):
+            if len(places) and body.solid:
                 found.append(map_coordinates(psi, places.T[::-1], order=1, mode="nearest").mean())
         return 0.5 * (min(found) + max(found)) if found else 0.0
 

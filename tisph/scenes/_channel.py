@@ -235,10 +235,8 @@ class Channel(ChannelFlow, Scene):
 
         The developed flow of an oscillating wall is known only for a Newtonian fluid.
         """
-        linear = self.rheology is None or (
-            self.rheology.type == "oldroyd_b" and not any(wall.oscillates for wall in self.pair)
-        )
-        return linear and not self.seeks_wall_velocity
+        known = self.rheology is None or not any(wall.oscillates for wall in self.pair)
+        return self.linear and known and not self.seeks_wall_velocity
 
     def in_flow_frame(self) -> "Channel":
         """Return the same flow in a frame that moves with ``frame_velocity``."""
@@ -345,7 +343,7 @@ class Channel(ChannelFlow, Scene):
         drive = self.acceleration
         if self.driven_side is not None:
             return None
-        if self.rheology is None or self.rheology.type == "oldroyd_b":
+        if self.linear:
             return drive * self.gap**2 / (12.0 * self.kinematic_viscosity) * self._slip_factor
         if self.seeks_wall_velocity or any(wall.oscillates for wall in self.pair):
             return None
@@ -532,11 +530,10 @@ class Channel(ChannelFlow, Scene):
         """Return pairs (label, text) that describe the flow, independent of particles."""
         length, time = self.units.length, self.units.time
         by_walls = self.velocity_scale == self.wall_speed
-        linear = self.rheology is None or self.rheology.type == "oldroyd_b"
         own = not self.given_velocity and (self.driven_side is not None or not by_walls)
         moving = f", in a frame that moves with {self.frame_velocity:.6g} {length}/{time}"
         frame = moving if self.frame_velocity else ""
-        fluid = "" if linear or not own else ", in a Newtonian fluid of the viscosity nu"
+        fluid = "" if self.linear or not own else ", in a Newtonian fluid of the viscosity nu"
         speed = f"{self.reference_velocity:.6g} {length}/{time}{frame}{fluid}"
         lines = [
             ("Reynolds number", f"{self.reynolds:.6g}  (U H / nu)"),
@@ -548,7 +545,7 @@ class Channel(ChannelFlow, Scene):
         if self.acceleration:
             mean, text = self.driven_mean_velocity(), f"{self.acceleration:.6g} {length}/{time}^2 along x"
             if mean is not None:
-                value = f"{mean:.{6 if linear else 4}g} {length}/{time}"
+                value = f"{mean:.{6 if self.linear else 4}g} {length}/{time}"
                 text += f", of which the developed flow has the mean speed {value}"
             lines.append(("drive", text))
         for name, wall in reversed(self.walls):

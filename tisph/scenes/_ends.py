@@ -133,7 +133,7 @@ def least_inflow(config: Config) -> tuple[float, float]:
 
 def depends_on_flow_rate(config: Config) -> bool:
     """Return whether the profile of the inlet changes with its mean velocity: developed flow of a non-linear fluid."""
-    return config.ends.inlet.profile == "developed" and config.fluid.rheology.type not in ("newtonian", "oldroyd_b")
+    return config.ends.inlet.profile == "developed" and not config.fluid.linear
 
 
 def profile_of(config: Config, low: float, high: float) -> InletProfile:

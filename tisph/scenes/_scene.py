@@ -79,7 +79,7 @@ class Scene(FlowInBox):
             "spacing": config.spacing,
             "units": config.units,
             "inertia": config.fluid.inertia,
-            "rheology": None if config.fluid.rheology.type == "newtonian" else config.fluid.rheology,
+            "rheology": None if config.fluid.newtonian else config.fluid.rheology,
             "given_velocity": config.reference.velocity if config.reference else None,
         }
 

@@ -585,7 +585,7 @@ class Config(schema.Config):
         """Yield the errors that the scene finds in the config."""
         rheology, names = self.fluid.rheology, ("inner", "outer")
         swinging = any(getattr(self.walls, name).amplitude is not None for name in names)
-        if rheology.type != "newtonian" and swinging and self.initial.state == "developed":
+        if not self.fluid.newtonian and swinging and self.initial.state == "developed":
             text = f"the periodic flow of {rheology.type} between cylinders that oscillate is not built in"
             yield "initial.state", f"must be rest or exact: {text}"
         walls = self.walls.inner, self.walls.outer

@@ -152,17 +152,17 @@ class Cavity(BodyScene):
 
     @property
     def steepness(self) -> float:
-        """See ``SceneDefaults.steepness``, under a regular lid.
+        """See ``FlowDefaults.steepness``, under a regular lid.
 
         On the lid, of velocity u(x), a large stretch A_xx obeys d ln A/dx = 2 u'/u - 1/(relaxation time u); shear adds
         to it. It grows from x_0, where the strain rate exceeds half the relaxation rate. Fluid that is x_0 below the
         lid there, and not stretched, comes to the middle at the distance x_0 u(x_0)/u: there the stress falls again.
         """
-        if not self.regular or self.rheology is None or self.rheology.type != "oldroyd_b":
+        if not (self.regular and self.polymer and self.linear):
             return 0.0
         x = np.linspace(0.0, 0.5, 10_001)[1:]
         passed = (2.0 * np.log(x / (1.0 - x)) + 1.0 / (1.0 - x) - 1.0 / x) / 16.0  # integral of dx/LID
-        growth = 2.0 * np.log(LID(x)) - passed * self.width / (self.rheology.relaxation_time * self.velocity_scale)
+        growth = 2.0 * np.log(LID(x)) - passed * self.width / (self.polymer.relaxation_time * self.velocity_scale)
         rise = growth - np.minimum.accumulate(growth)
         start = x[int(np.argmin(growth[: int(np.argmax(rise)) + 1]))]
         return float(rise.max() / max(1.0, start * LID(start) * self.width / self.spacing))
@@ -394,7 +394,7 @@ class Config(schema.Config):
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
         rheology = self.fluid.rheology
-        if rheology.type != "newtonian" and self.singular:
+        if not self.fluid.newtonian and self.singular:
             text = f"must be regular with {rheology.type}"
             yield "walls.lid.profile", f"{text}: the corner flow under a sharp lid is known for newtonian fluids only"
         for side in ("bottom", "right", "left") if self.singular else ():

@@ -290,7 +290,7 @@ class Config(schema.Config):
         yield from start_problems(self, SIDES)
         rheology = self.fluid.rheology
         swinging = any(getattr(self.walls, side).amplitude is not None for side in SIDES)
-        if rheology.type != "newtonian" and swinging and self.initial.state == "developed":
+        if not self.fluid.newtonian and swinging and self.initial.state == "developed":
             text = f"no periodic flow is built in for {rheology.type} fluids"
             yield "initial.state", f"{text}: take rest, or walls of constant velocity"
         if self.probes.x != "centre" and self.probes.x > self.geometry.length:
@@ -385,7 +385,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
             yield f"walls.{side}.velocities", f"must be left out {where}: give velocity, or an amplitude"
             return
     moving = any(wall.amplitude for wall in sides.values())
-    unknown = config.fluid.polymer if config.ends else config.fluid.rheology.type != "newtonian"
+    unknown = config.fluid.polymer if config.ends else not config.fluid.newtonian
     if config.initial.state != "rest" and (moving or unknown):
         yield "initial.state", f"must be rest {where}, unless {able}"
     elif config.initial.state == "exact":

@@ -68,7 +68,7 @@ class Config(annulus.Config):
         if self.scheme.type == "wcsph":
             yield "scheme.type", "wcsph cannot serve eccentric cylinders yet; take auto or implicit"
         swinging = self.walls.inner.amplitude or self.walls.outer.amplitude
-        known = self.initial.state == "developed" and self.fluid.rheology.type == "newtonian" and not swinging
+        known = self.initial.state == "developed" and self.fluid.newtonian and not swinging
         if not (known or self.initial.state == "rest"):
             text = "must be rest, or developed for a Newtonian fluid between cylinders that do not oscillate"
             yield "initial.state", f"{text}: no other flow is known"

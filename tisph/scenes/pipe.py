@@ -174,9 +174,9 @@ class Config(_axisymmetric.Config):
         around = bool(inner.angular_velocity or outer.angular_velocity)
         if not along and not around:
             yield from still_problem(self, "drive", "give an acceleration, or let a wall move")
-        if along and around and self.fluid.rheology.type != "newtonian":
+        if along and around and not self.fluid.newtonian:
             yield "fluid.rheology.type", "must be newtonian where fluid flows both along the axis and around it"
-        if self.drive.amplitude and self.initial.state == "developed" and self.fluid.rheology.type != "newtonian":
+        if self.drive.amplitude and self.initial.state == "developed" and not self.fluid.newtonian:
             text = f"no periodic flow is built in for {self.fluid.rheology.type} fluids"
             yield "initial.state", f"{text}: take rest, or a drive without amplitude"
 

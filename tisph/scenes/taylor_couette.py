@@ -99,7 +99,7 @@ class Config(_axisymmetric.Config):
                 yield "initial.state", f"must be rest where walls.{name} does not turn at a constant angular_velocity"
             if developed and wall.slip_length:
                 yield "initial.state", f"must be rest where the fluid slips (walls.{name}): no laminar flow is built in"
-        if developed and self.fluid.rheology.type != "newtonian":
+        if developed and not self.fluid.newtonian:
             yield "initial.state", f"must be rest: the laminar flow of {self.fluid.rheology.type} is not built in here"
 
 

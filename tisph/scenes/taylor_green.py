@@ -72,7 +72,7 @@ class Config(schema.Config):
 
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
-        if self.fluid.rheology.type != "newtonian":
+        if not self.fluid.newtonian:
             text = f"must be newtonian: the decay of these vortices is not known for {self.fluid.rheology.type}"
             yield "fluid.rheology.type", f"{text}; shear_layer has fluids with polymer in a periodic box"
 

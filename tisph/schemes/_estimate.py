@@ -198,7 +198,7 @@ def layer_estimates(
 
 def is_coupled(config: Config, channel: Channel) -> bool:
     """Tell whether a stage is solved for the stress, or a wall, as well."""
-    return config.fluid.rheology.type != "newtonian" or channel.seeks_wall_velocity
+    return not config.fluid.newtonian or channel.seeks_wall_velocity
 
 
 def off_layers(config: Config) -> bool:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from tisph.cli import check, finished, menu, run, studies, terminal
+from tisph.cli import finished, menu, run, studies, terminal
 from tisph.cli.terminal import reported
 from tisph.version import __version__
 
@@ -54,7 +54,7 @@ def _options(
 
 COMMANDS: dict[str, Callable[..., None]] = {
     "run": run.run,
-    "check": check.check,
+    "check": run.check,
     "list": menu.list_families,
     "keys": menu.keys,
     "verify": studies.verify,

@@ -1,4 +1,4 @@
-"""``tisph run``: simulate, compare with the exact solution, leave numbers, pictures and a movie, and print a table."""
+"""``tisph check`` and ``tisph run``: validate a config; simulate, write numbers, pictures, a movie and a table."""
 
 import json
 import os
@@ -6,16 +6,18 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, redirect_stderr
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from tisph.cli.terminal import ConfigFile, Overrides, held_back, out_folder
-from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.folder import Folder, claimed
-from tisph.scenes._scene import Scene
 from tisph.text_table import format_table
+
+if TYPE_CHECKING:  # which take half a second
+    from tisph.config.schema import Config
+    from tisph.scenes._scene import Scene
 
 FORCES = ("drag", "lift", "torque", "wall_shear")
 """Beginnings of the names of numbers in the table; a scene without any shows other numbers of its flow."""
@@ -32,7 +34,7 @@ MOST_NUMBERS = 4
 MOST_SAMPLES = 10
 
 
-def result_text(config: Config, scene: Scene, summary: Mapping[str, Any]) -> str:
+def result_text(config: "Config", scene: "Scene", summary: Mapping[str, Any]) -> str:
     """Return a table of the last samples in ``summary`` (contents of ``summary.json``), and the time used, as text.
 
     The error is the error of the velocity against the reference; without a reference it is the estimate of
@@ -70,7 +72,7 @@ def result_text(config: Config, scene: Scene, summary: Mapping[str, Any]) -> str
     return "\n".join([*texts, f"{cost['steps']} steps, {cost['wall_total_s']:.3g} s: {parts}"])
 
 
-def _error(scene: Scene, sample: Mapping[str, Any], estimate: Any) -> str:
+def _error(scene: "Scene", sample: Mapping[str, Any], estimate: Any) -> str:
     value = sample["rms" if scene.vanishing_scale else "l2"]
     if value is not None:
         return f"{value:.2e}"
@@ -94,6 +96,24 @@ SHOWN = {
 
 PRINTED = ("name", "status", "samples", "cost", "error_estimate")
 """Keys of ``summary.json`` that ``--json`` prints."""
+
+
+def check(config: ConfigFile, overrides: Overrides = None) -> None:
+    """Validate a config; print its numbers and cost.
+
+    Nothing is run and nothing is written.
+
+    \b
+    Examples:
+      tisph check configs/couette.yaml
+      tisph check configs/couette.yaml --set discretisation.particles_across=100
+    """
+    from tisph.config import load
+    from tisph.schemes._forecast import described, forecast
+
+    loaded = load(config, overrides or ())
+    for line in described(loaded, *forecast(loaded)):
+        print(line)
 
 
 def run(
@@ -163,7 +183,7 @@ def run(
             print(f"\n{estimate}")
 
 
-def _simulate(config: Config, folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
+def _simulate(config: "Config", folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:
     with held_back():
         if pictures:
             from tisph.report import drawing_process

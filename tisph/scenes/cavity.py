@@ -169,7 +169,7 @@ class Cavity(BodyScene):
 
     @cached_property
     def reference(self) -> Reference:
-        """See ``SceneDefaults.reference``: all are of the steady state."""
+        """See ``Scene.reference``: all are of the steady state."""
         assumptions = {"a Newtonian fluid": self.rheology is None, "walls without slip": not any(self.slip_lengths)}
         if not self.regular:
             assumptions["a square cavity"] = self.width == self.height

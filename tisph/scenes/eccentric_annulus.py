@@ -89,7 +89,7 @@ class Scene(BetweenCylinders):
 
     @property
     def reference(self) -> Reference:
-        """See ``SceneDefaults.reference``: with inertia Stokes flow is known to be the steady state alone."""
+        """See ``Scene.reference``: with inertia Stokes flow is known to be the steady state alone."""
         assumptions = {"a Newtonian fluid": self.rheology is None}
         assumptions["cylinders without slip"] = not any(self.slip_lengths)
         if self.inertia:

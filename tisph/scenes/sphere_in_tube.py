@@ -286,7 +286,7 @@ class Scene(AxisymmetricScene):
 
     @property
     def reference(self) -> Reference:
-        """See ``SceneDefaults.reference``: the terminal velocity of a free sphere."""
+        """See ``Scene.reference``: the terminal velocity of a free sphere."""
         sphere, tube = self.bodies
         radius, tube_radius = self.reference_length, self.outer_radius
         slow = abs(self._stokes_velocity) * radius < SLOW * self.kinematic_viscosity

@@ -140,7 +140,7 @@ class Scene(AxisymmetricScene):
 
     @property
     def reference(self) -> Reference:
-        """See ``SceneDefaults.reference``: the torque of laminar flow."""
+        """See ``Scene.reference``: the torque of laminar flow."""
         spins = [body.spin for body in self.bodies[:2]]
         constant = not any(spin.oscillates or spin.jump_times for spin in spins)
         assumptions = {"a Newtonian fluid": self.rheology is None, "flow without end plates": self.periodic[0]}

@@ -5,7 +5,6 @@ The constants say which rheologies, ways to drive a wall and wall treatments at 
 
 from collections.abc import Iterator, Sequence
 from itertools import chain
-from typing import Any
 
 from tisph import registry
 from tisph.config.base import Problem
@@ -27,7 +26,7 @@ SCHEDULED += [(side, "angular_velocities") for side in ("inner", "outer")]
 """Walls that may have velocities at times, and the key of these velocities."""
 
 
-def resolve(config: Config) -> tuple[Any, str]:
+def resolve(config: Config) -> tuple[Config, str]:
     """Return the config with the scheme that will run, and the choice and its reason in words."""
     member = registry.load("schemes", config.scheme.type)
     return member.resolve(config) if hasattr(member, "resolve") else (config, config.scheme.type)
@@ -41,7 +40,7 @@ def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) 
     return _member(config).build(config, scene, targets, serial)
 
 
-def coarsen_steps(config: Config, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Config:
     """Return a ``resolve``-d config with steps ``factor`` times as long for a spacing ``factor`` times as wide.
 
     Errors in time then fall with the spacing, as errors in space do.

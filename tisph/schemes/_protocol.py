@@ -175,7 +175,7 @@ class SchemeMember(Member, Protocol):
     def orders(self, config: Config) -> tuple[float, float]:
         """Return the least and the largest order in the spacing that counts as observed, for ``--estimate-error``."""
 
-    def coarsen_steps(self, config: Config, factor: float) -> Any:
+    def coarsen_steps(self, config: Config, factor: float) -> Config:
         """Return the config with steps ``factor`` times as long for a spacing that is ``factor`` times as wide.
 
         So errors in time fall with the spacing as those in space do. Limits that go with the spacing stay as they are.
@@ -188,5 +188,5 @@ class SchemeMember(Member, Protocol):
 class ChoiceMember(Member, Protocol):
     """Module that chooses among schemes."""
 
-    def resolve(self, config: Config) -> tuple[Any, str]:
+    def resolve(self, config: Config) -> tuple[Config, str]:
         """Return the config with the scheme that is to run, and in words which one and why."""

@@ -65,7 +65,7 @@ def _obstacle(config: Config, implicit: Any) -> str | None:
     return next((text.partition(";")[0] for _, text in implicit.problems(config)), None)
 
 
-def resolve(config: Config) -> tuple[Any, str]:
+def resolve(config: Config) -> tuple[Config, str]:
     """Return the config with the chosen scheme, and the reason in words."""
     implicit = registry.load("schemes", "implicit")
     two_dimensional = not config.parallel

@@ -10,7 +10,7 @@ Two-dimensional flow (``schemes/implicit/planar``): velocity, pressure and motio
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -64,7 +64,7 @@ def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) 
     return ChannelScheme(config, scene, step_control(config, scene, targets), serial)
 
 
-def coarsen_steps(config: Config, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Config:
     """Return a config of this scheme with steps ``factor`` times as long.
 
     The estimated error of a step scales with the third power of its length, in two-dimensional flow with the fourth.

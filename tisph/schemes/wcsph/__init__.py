@@ -5,7 +5,7 @@ The steps, and the kernel that takes one, are in ``_scheme.py``.
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field
 
@@ -83,7 +83,7 @@ def _problems_of_images(config: Config) -> Iterator[Problem]:
         yield "walls.treatment.type", f"{text}; take a spacing below {largest:g}, virtual_image or adami"
 
 
-def coarsen_steps(config: Config, factor: float) -> Any:
+def coarsen_steps(config: Config, factor: float) -> Config:
     """Return the config: its steps are limited by multiples of the spacing already."""
     return config
 

@@ -12,6 +12,8 @@ from report_scene import make_channel, make_snapshot
 from tisph import scenes
 from tisph.config import load
 from tisph.config.loader import loaded
+from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
 from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import LEAST_DEPTH, resolution, steadiness
@@ -125,6 +127,7 @@ def test_a_force_of_the_operators_alone_is_not_resolved():
 
 def test_a_force_that_scatters_is_not_resolved():
     channel = make_channel(initial_state="developed")
+    vars(channel)["bodies"] = (Body(Circle(0.1)),)
     bodies = Bodies(*(np.array([[0.1, 0.2]]) for _ in range(8)))
     snapshot = replace(make_snapshot(channel, 0.0), bodies=bodies)
     assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.01, 0))) == (True, None)

@@ -12,7 +12,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from tisph.config.sections import Units
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.outline import EndToEnd
@@ -131,8 +130,8 @@ class FlowInBox(FlowDefaults):
     spacing: float
     """Distance between neighbouring particles at the start."""
 
-    units: Units
-    """Labels of the units for plots and tables."""
+    units: Any
+    """``config.sections.Units``: labels of the units for plots and tables."""
 
     rheology: Rheology | None = None
     """Parameters of a non-Newtonian fluid, else None."""

@@ -48,7 +48,6 @@ from tisph.report.overlays import BodyTracks, Solids, StreamFunction, Streamline
 from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, measured
 from tisph.report.quantities import Extremes, Quantity, Spread, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
-from tisph.scenes._axisymmetric import AxisymmetricScene
 from tisph.scenes._scene import Scene
 from tisph.scenes._views import Profile
 from tisph.snapshot import Snapshot
@@ -364,8 +363,8 @@ class FullCut:
     ``half`` is the scene, ``sides``: of a body that is in one half alone 1 or -1, the sign of y there, else 0.
     """
 
-    def __init__(self, scene: AxisymmetricScene):
-        self.half, radius = scene, scene.outer_radius
+    def __init__(self, scene: Scene):
+        self.half, radius = scene, scene.extent[1]
         self.origin, self.extent = (scene.origin[0], -radius), (scene.extent[0], 2.0 * radius)
         found = []  # number, side and body
         for index, body in enumerate(scene.bodies):
@@ -398,7 +397,7 @@ class FullCut:
 
 def displayed(scene: Scene) -> Any:
     """Return the scene that a frame shows: a ``FullCut`` where axisymmetric flow reaches the axis."""
-    return FullCut(scene) if isinstance(scene, AxisymmetricScene) and scene.origin[1] == 0.0 else scene
+    return FullCut(scene) if scene.axisymmetric and scene.origin[1] == 0.0 else scene
 
 
 def _whole(scene: Scene, snapshot: Snapshot) -> Snapshot:

@@ -3,12 +3,12 @@
 from typing import TYPE_CHECKING
 
 from tisph import registry
-from tisph.config.schema import Config
 
 if TYPE_CHECKING:
+    from tisph.config.schema import Config
     from tisph.scenes._scene import Scene
 
 
-def of(config: Config) -> "Scene":
+def of(config: "Config") -> "Scene":
     """Return the scene that ``config`` describes."""
     return registry.load("scenes", config.scene).Scene.from_config(config)

@@ -10,11 +10,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
-from tisph.config.schema import Config
 from tisph.geometry.body import Body
 from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import pack
@@ -22,6 +21,9 @@ from tisph.geometry.region import Region
 from tisph.measures.flow import FlowInBox
 from tisph.scenes._views import COLOURS, ERRORS, ExtraSeries, MovieView, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Bodies, Snapshot
+
+if TYPE_CHECKING:  # which takes another process, for pictures, a while to import
+    from tisph.config.schema import Config
 
 
 @dataclass(frozen=True)
@@ -66,12 +68,12 @@ class Scene(FlowInBox):
     """Formula of the time over ``time_scale``, for labels."""
 
     @classmethod
-    def from_config(cls, config: Config) -> "Scene":
+    def from_config(cls, config: "Config") -> "Scene":
         """Return the scene that a validated config describes."""
         raise NotImplementedError
 
     @staticmethod
-    def fluid_of(config: Config) -> dict[str, Any]:
+    def fluid_of(config: "Config") -> dict[str, Any]:
         """Return the fluid, spacing and units of a validated config, as arguments of a scene."""
         return {
             "density": config.fluid.density,

@@ -14,7 +14,7 @@ import numpy as np
 
 from tisph.config.schema import Config
 from tisph.geometry.body import Body
-from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet
+from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, OpenEnd
 from tisph.geometry.line import Line
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
@@ -38,7 +38,7 @@ class OpenEnded(BodyScene):
         """The part of the region in which there are particles: the ends are moved into it."""
         clear = LEAST_DISTANCE * self.spacing
         moved = [
-            body if body.solid else replace(body, centre=tuple(clear * body.shape.normal))
+            replace(body, centre=tuple(clear * body.shape.normal)) if isinstance(body, OpenEnd) else body
             for body in self.region.bodies
         ]
         return replace(self.region, bodies=tuple(moved))

@@ -157,7 +157,7 @@ class Config(_axisymmetric.Config):
         if self.walls.inner and not self.inner_radius:
             yield "walls.inner", "needs a geometry.inner_radius above 0"
         if self.ends:
-            from tisph.scenes._region_of_revolution import stream_problems
+            from tisph.scenes._ends import stream_problems
 
             yield from stream_problems(self, {f"walls.{name}": wall for name, wall in self.placed_walls.items()})
             if self.drive.amplitude:

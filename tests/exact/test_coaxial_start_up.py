@@ -96,7 +96,7 @@ def oldroyd_modes(r, t, fraction, relaxation_time, count=2000):
     """
     k, quotient = modes(2.0, count)
     fading = np.exp(-36 * (np.arange(count) / count) ** 6)
-    start = fading * np.pi / (quotient**2 - 1)  # -c_n of the module circular_couette
+    start = fading * np.pi / (quotient**2 - 1)  # -c_n of the module _annulus_modes
     modulus = (1 - fraction) / relaxation_time
     half, whole = fraction * k**2 - 1 / relaxation_time, fraction * k**2 + 1 / relaxation_time
     root = np.sqrt((half**2 - 4 * modulus * k**2).astype(complex))

@@ -124,10 +124,13 @@ class Plane:
 
     def _inverse(self, transform, t):
         elastic = t / (self.fraction * self.relaxation) if self.fraction < 1 else 0.0
-        width = max(6.0, 1.1 * np.sqrt(2 * elastic))
-        count = int(np.ceil(POINTS * width / 6.0))
-        step = np.sqrt(CROSSING + DECAY) / count
-        v = step * (np.arange(count) + 0.5)
-        exponent = CROSSING - v**2 + 1j * width * v
-        weight = step / np.pi * (width + 2j * v) * np.exp(exponent) / t
-        return np.einsum("n,n...", weight, transform(exponent / t)).real
+        return inverse(transform, t, max(6.0, 1.1 * np.sqrt(2 * elastic)))
+
+
+def inverse(transform, t, width=6.0):
+    """Return the function at ``t`` of a ``transform`` of p (points,), by the trapezoidal rule on a parabola."""
+    count = int(np.ceil(POINTS * width / 6.0))
+    step = np.sqrt(CROSSING + DECAY) / count
+    v = step * (np.arange(count) + 0.5)
+    weight = step / np.pi * (width + 2j * v) * np.exp(CROSSING - v**2 + 1j * width * v) / t
+    return np.einsum("n,n...", weight, transform((CROSSING - v**2 + 1j * width * v) / t)).real

@@ -79,22 +79,14 @@ def test_a_picture_with_other_settings_is_named(media, monkeypatch):
     assert line.endswith("Make it again: python media/make.py cavity")
 
 
-PAGE = (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
-
-
-def fragments():
-    """Words of the messages in the first column of the table, without what changes from case to case."""
-    _, table = PAGE.split("| message | what to do |")
-    cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
-    quoted = [text for cell in cells for text in re.findall(r"`([^`]+)`", cell)]
-    return [part.strip() for text in quoted for part in text.split("...")]
-
-
 def test_messages_are_those_of_the_program():
+    """Words of the messages in the first column of the table, without what changes from case to case."""
     code = " ".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "tisph").rglob("*.py")))
-    found = fragments()
-    assert len(found) > 6
-    assert [text for text in found if text not in code] == []
+    _, table = (ROOT / "docs" / "questions.md").read_text(encoding="utf-8").split("| message | what to do |")
+    cells = [line.split("|")[1] for line in table.splitlines() if line.startswith("| `")]
+    parts = [part.strip() for cell in cells for text in re.findall(r"`([^`]+)`", cell) for part in text.split("...")]
+    assert len(parts) > 6
+    assert [text for text in parts if text not in code] == []
 
 
 THEORY = sorted((ROOT / "docs" / "theory").glob("*.md"))
@@ -129,10 +121,6 @@ def test_modules_exist(path):
     assert [name for name in named if not any(("/" + module).endswith("/" + name) for module in MODULES)] == []
 
 
-DOCS = Path(tisph.__file__).parents[1] / "docs"
-CONFIGS = DOCS.parent / "configs"
-
-
 def keys():
     """Names in ``keys.yaml`` of all keys that the models have."""
     for family, model in {"scenes": "Config", **dict.fromkeys(reference.FAMILIES, "Parameters")}.items():
@@ -160,7 +148,7 @@ def test_every_key_of_every_scene_has_a_line():
 
 def test_colours_are_those_that_configs_may_have():
     seen = {}
-    for path in sorted(CONFIGS.glob("*.yaml")):
+    for path in sorted((ROOT / "configs").glob("*.yaml")):
         one = config.load(path)
         bodies = getattr(one, "bodies", ())
         seen[one.scene, one.fluid.rheology.type, one.axisymmetric, bool(bodies)] = one, bodies

@@ -1,11 +1,11 @@
 """A scene pays for nothing that it does not use: no field, no byte, no compiled instruction, no output."""
 
 import importlib
+import math
+from collections import deque
 
 import kept_program
 import pytest
-import stripped_program
-from stripped_program import FLAGS, fields, size
 
 from tisph import config, registry, runtime
 from tisph.report import movie
@@ -58,8 +58,33 @@ def build(load):
     return build
 
 
+def fields(scheme):
+    """Every Taichi field that ``scheme`` holds, by the shortest path of attributes to it."""
+    found, visited, waiting = {}, {id(scheme)}, deque([("", scheme)])
+    while waiting:
+        path, owner = waiting.popleft()
+        inside = dict(enumerate(owner)) if isinstance(owner, list | tuple) else getattr(owner, "__dict__", {})
+        ours = isinstance(owner, list | tuple) or type(owner).__module__.startswith("tisph.")
+        for name, value in owner.items() if isinstance(owner, dict) else inside.items() if ours else ():
+            if id(value) in visited:
+                continue
+            visited.add(id(value))
+            if isinstance(value, ti.Field):
+                found[f"{path}{name}"] = value
+            else:
+                waiting.append((f"{path}{name}.", value))
+    return found
+
+
 def sizes(scheme):
-    return {name: size(field) for name, field in fields(scheme).items()}
+    """Bytes of the numbers in each field."""
+    each = {ti.f64: 8, ti.f32: 4, ti.i64: 8, ti.i32: 4, ti.u8: 1}
+    return {
+        name: math.prod(field.shape)
+        * each[field.dtype]
+        * (field.n * field.m if isinstance(field, ti.MatrixField) else 1)
+        for name, field in fields(scheme).items()
+    }
 
 
 def polymer(scheme):
@@ -141,17 +166,6 @@ def test_steps_need_no_further_fields(make, scheme):
 )
 def test_saying_that_a_part_is_not_used_is_saying_nothing(load, unused):
     assert load(EXPLICIT, unused) == load(EXPLICIT)
-
-
-def test_the_program_without_the_code_of_parts_compiles_to_the_same_kernels(tmp_path):
-    config, whole, stripped = (tmp_path / name for name in ("case.yaml", "whole", "stripped"))
-    config.write_text(CASE.replace("end: 0.01", "end: 100.0") + "scheme: {type: wcsph}\n")
-    assert not stripped_program.copy(whole)
-    branches = stripped_program.copy(stripped, FLAGS)
-    assert all(branches[flag] for flag in FLAGS), "a flag that is no more"
-    found = stripped_program.compiled_kernels(whole, config, tmp_path)
-    assert found
-    assert stripped_program.compiled_kernels(stripped, config, tmp_path) == found
 
 
 def test_a_run_without_movie_and_checkpoints_opens_none(load, tmp_path, monkeypatch):

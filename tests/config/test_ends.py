@@ -15,7 +15,6 @@ time: {end: 1.0}
 CARREAU = "fluid.rheology={type: carreau_yasuda, time: 1.0, index: 0.5}"
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 PULSATING = "ends.left={type: inlet, velocity: 1.0, amplitude: 0.5, angular_frequency: 2.0}"
-RAMP = "ends.left={type: inlet, times: [0.0, 1.0], velocities: [0.0, 1.0]}"
 
 
 @pytest.fixture
@@ -46,14 +45,6 @@ def test_the_keys_of_an_inlet_have_defaults(loaded):
     assert swapped.inlet is swapped.right
 
 
-@pytest.mark.parametrize("changes", [(), (PULSATING,), (RAMP,), (table([0, 0.5, 1], [0, 1, 0]),)])
-def test_a_resolved_config_with_ends_loads_again(loaded, tmp_path, changes):
-    config, path = loaded(*changes), tmp_path / "resolved.yaml"
-    path.write_text(config.resolved_yaml())
-    assert load(path) == config
-    assert "right:\n    type: outlet\n" in path.read_text()
-
-
 @pytest.mark.parametrize(
     ("keys", "singular"),
     [("profile: uniform", True), ("profile: parabolic", False), ("profile: developed", False)]
@@ -78,15 +69,13 @@ def test_flows_that_ends_can_serve_are_accepted(loaded):
 
 
 REVERSING = [
-    ("velocity: 1.0, amplitude: 2.0, angular_frequency: 1.0, phase: sin", 6.0),
-    ("velocity: 1.0, amplitude: -1.1, angular_frequency: 1.0", 0.1),
-    ("amplitude: 1.0, angular_frequency: 1.0, phase: sin", 4.0),
-    ("times: [0.0, 1.0, 2.0], velocities: [0.0, 1.0, -0.1]", 2.0),
-    ("times: [0.0, 1.0], velocities: [-1.0, 1.0]", 0.5),
+    ("velocity: 1.0, amplitude: 2.0, angular_frequency: 1.0, phase: sin", 3.1),
+    ("amplitude: 1.0, angular_frequency: 1.0, phase: sin", 3.1),
+    ("times: [0.0, 1.0, 2.0], velocities: [0.0, 1.0, -0.1]", 1.9),
 ]
 
 
-@pytest.mark.parametrize("number", [0, 2, 3])
-def test_an_inflow_that_would_reverse_after_the_run_is_accepted(loaded, number):
+@pytest.mark.parametrize(("keys", "end"), REVERSING)
+def test_an_inflow_that_would_reverse_after_the_run_is_accepted(loaded, keys, end):
     """Up to t = 3.1 a sine is above 0, and 1 + 2 sin t above -1e-9; the table is below 0 from t = 1.9 on."""
-    loaded(f"ends.left={{type: inlet, {REVERSING[number][0]}}}", f"time.end={1.9 if number == 3 else 3.1}")
+    loaded(f"ends.left={{type: inlet, {keys}}}", f"time.end={end}")

@@ -1,14 +1,14 @@
-"""Flow and rheology in a config: wall motion, drive, fluid, start, and the conditions between these keys."""
+"""Flow and rheology in a config: wall motion, drive, fluid, cells, and the numbers that follow from these keys."""
 
 import itertools
 import pickle
-import types
 from pathlib import Path
 
 import numpy as np
 import pytest
+from vortices import GOOD
 
-from tisph import registry
+from tisph import registry, schemes
 from tisph.config import load
 from tisph.config.schema import REALS, estimated_bytes
 from tisph.errors import ConfigError
@@ -16,44 +16,20 @@ from tisph.schemes.implicit.planar.problem import problem_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"
-SWINGING = "walls.top={amplitude: -0.5, angular_frequency: 3.0, phase: sin}"
-STOPPED = "walls.top={velocity: 0.0, velocity_before: 0.5}"
-
-
-@pytest.fixture
-def message(case):
-    """Message of the error that the case with overrides must raise."""
-
-    def load_bad(*overrides):
-        with pytest.raises(ConfigError) as caught:
-            case(*overrides)
-        return str(caught.value)
-
-    return load_bad
-
-
-def test_a_wall_has_a_constant_velocity_or_swings(case):
-    config = case(SWINGING)
-    top, bottom = config.walls.top, config.walls.bottom
-    assert (top.velocity, top.amplitude, top.angular_frequency, top.phase) == (None, -0.5, 3.0, "sin")
-    assert (bottom.velocity, bottom.velocity_before, bottom.amplitude, bottom.phase) == (0.0, None, None, None)
-    assert case("walls.top={amplitude: 1, angular_frequency: 1}").walls.top.phase == "cos"
+DRIVEN_CHANNEL = """
+scene: channel
+fluid: {density: 1.0, kinematic_viscosity: 0.1}
+geometry: {gap: 1.0, length: 2.0}
+drive: {acceleration: 0.5}
+time: {end: 1.0}
+"""
 
 
 def test_null_takes_a_wall_from_one_form_to_the_other(case):
     swing = ("walls.top.amplitude=1.0", "walls.top.angular_frequency=2.0")
-    assert case("walls.top.velocity=null", *swing).walls.top.amplitude == 1.0
+    swinging = case("walls.top.velocity=null", *swing).walls
+    assert (swinging.top.amplitude, swinging.top.phase, swinging.bottom.velocity) == (1.0, "cos", 0.0)
     assert case("walls.top.velocity=null", "walls.bottom.velocity=1.0").walls.top.velocity == 0.0
-
-
-@pytest.mark.parametrize("overrides", [(SWINGING,), (STOPPED, "initial.state=developed"), (POLYMER,)])
-def test_resolved_config_has_the_keys_of_the_form_in_use_only(case, tmp_path, overrides):
-    config = case(*overrides)
-    text = config.resolved_yaml()
-    assert ("amplitude" in text, "velocity_before" in text) == (overrides[0] == SWINGING, overrides[0] == STOPPED)
-    resolved = tmp_path / "resolved.yaml"
-    resolved.write_text(text)
-    assert load(resolved, ["name=case"]) == config
 
 
 @pytest.mark.parametrize("bodies", ["", "bodies: [{centre: [1.0, 0.5], radius: 0.2}]\n"])
@@ -65,17 +41,27 @@ def test_walls_of_a_driven_channel_are_at_rest_unless_said(tmp_path, bodies):
         load(path, ["drive.acceleration=0"])
 
 
-def test_polymer(case):
-    rheology = case(POLYMER, "output.video={color_by: shear_stress}").fluid.rheology
-    assert (rheology.type, rheology.relaxation_time, rheology.solvent_fraction) == ("oldroyd_b", 2.0, 0.1)
-    assert rheology.carries_stress
-    assert case(POLYMER.replace("0.1", "1")).fluid.rheology.solvent_fraction == 1.0
-    assert not case().fluid.rheology.carries_stress
+@pytest.mark.parametrize(
+    ("overrides", "extent", "numbers"),
+    [
+        ((), (1.0, 1.0), (20, 20, 20, 0.05)),
+        (("geometry.cells=[3, 2]", "geometry.length=0.5"), (1.5, 1.0), (20, 60, 40, 0.025)),
+        (("geometry.cells=[3, 2]", "discretisation={spacing: 0.05}"), (3.0, 2.0), (20, 60, 40, 0.05)),
+    ],
+)
+def test_numbers_of_periods(tmp_path, overrides, extent, numbers):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    config = load(tmp_path / "case.yaml", overrides)
+    assert config.extent == extent
+    assert (config.particles_across, config.columns, config.rows, config.spacing) == numbers
 
 
-def test_a_developed_or_exact_run_may_start_from_an_earlier_flow(case):
-    for start in ("initial.state=developed", "initial={state: exact, time: 1.0}"):
-        assert case(STOPPED, start).walls.top.velocity_before == 0.5
+@pytest.mark.parametrize(("accuracy", "courant"), [("fast", 2.0), ("high", 0.15), ("balanced", 1.0)])
+def test_accuracy_sets_the_steps(tmp_path, accuracy, courant):
+    (tmp_path / "case.yaml").write_text(GOOD)
+    config, reason = schemes.resolve(load(tmp_path / "case.yaml", [f"scheme={{accuracy: {accuracy}}}"]))
+    assert config.scheme.largest_courant == courant
+    assert f"Courant number {courant:g}" in reason
 
 
 def test_polymer_stress_needs_memory(case):
@@ -100,31 +86,6 @@ def test_single_precision_needs_half_the_memory_for_numbers(case):
     assert whole - half == pytest.approx(1e5 * 4 * REALS[False])
 
 
-DRIVEN_CHANNEL = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.1}
-geometry: {gap: 1.0, length: 2.0}
-drive: {acceleration: 0.5}
-time: {end: 1.0}
-"""
-
-
-@pytest.mark.parametrize(
-    ("family", "member", "key"),
-    [("walls", "consistent_image", "walls.treatment.type"), ("rheology", "newtonian", "fluid.rheology.type")],
-)
-def test_a_chosen_member_may_refuse_a_config(message, monkeypatch, family, member, key):
-    """A module with a function ``problems`` is asked when it is chosen, and the message is its own."""
-
-    def problems(config):
-        yield key, f"serves no viscosity {config.kinematic_viscosity:g}"
-
-    real = registry.load
-    picked = types.SimpleNamespace(Parameters=real(family, member).Parameters, problems=problems)
-    monkeypatch.setattr(registry, "load", lambda f, name: picked if (f, name) == (family, member) else real(f, name))
-    assert message().endswith(f': {key} = "{member}": serves no viscosity 0.01')
-
-
 RHEOLOGIES = {
     "giesekus": "{type: giesekus, relaxation_time: 1.0, solvent_fraction: 0.5, mobility: 0.2}",
     "phan_thien_tanner": "{type: phan_thien_tanner, relaxation_time: 1.0, solvent_fraction: 0.5, extensibility: 0.1}",
@@ -144,19 +105,13 @@ def test_a_fluid_can_be_sent_to_the_process_that_draws(case, name):
 
 
 VARYING = ["power_law", "carreau_yasuda", "herschel_bulkley"]
-
-
-def changed(flow, *changes):
-    return load(Path(__file__).parents[2] / "configs" / f"{flow}.yaml", changes)
-
-
 IN_TWO_DIMENSIONS = ["shear_layer", "circular_couette", "cylinder_lattice", "cylinder_in_channel", "turned_box"]
 
 
 @pytest.mark.parametrize(("flow", "name"), [*itertools.product(IN_TWO_DIMENSIONS, VARYING)])
 def test_fluids_of_varying_viscosity_are_served_in_two_dimensions(flow, name):
     """Their law reaches the problem that is solved, with the density by which a yield stress is divided."""
-    config = changed(flow, f"fluid.rheology={RHEOLOGIES[name]}", "fluid.density=2.0")
+    config = load(CONFIGS / f"{flow}.yaml", [f"fluid.rheology={RHEOLOGIES[name]}", "fluid.density=2.0"])
     problem = problem_of(registry.load("scenes", config.scene).Scene.from_config(config))
     assert problem.rheology == config.fluid.rheology
     assert (problem.density, problem.solvent_viscosity) == (2.0, 0.0)

@@ -18,7 +18,7 @@ from tisph.schemes import _protocol
 CONFIGS = Path(__file__).parents[2] / "configs"
 CHOICES = ["auto"]
 SCENES = {path.stem: re.search(r"^scene: (\w+)", path.read_text(), re.MULTILINE) for path in CONFIGS.glob("*.yaml")}
-EXAMPLES = {scene[1]: name for name, scene in sorted(SCENES.items(), reverse=True)}
+EXAMPLES = {scene[1]: name for name, scene in sorted(SCENES.items(), reverse=True)} | {"region": "turned_box"}
 """By each scene: one config of it."""
 
 

@@ -10,7 +10,6 @@ from polymer_laws import oldroyd_b
 from report_scene import make_channel, make_snapshot
 
 from tisph import scenes
-from tisph.config import load
 from tisph.config.loader import loaded
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -104,56 +103,60 @@ def test_samples_and_pictures_say_so():
     assert error_label(channel)(make_snapshot(channel, 0.0)) == "unresolved: layer that starts"
 
 
-def test_steep_stress_is_not_resolved():
-    channel = make_channel(initial_state="developed")
-    snapshot = make_snapshot(channel, 0.0)
-    assert resolution(channel, 0.0, replace(snapshot, steepest=(2.0, 0.1, 0.2))) == (True, None)
-    text = "the polymer's stretch changes 20-fold within a spacing at (0.1, 0.2); resolved up to 7.4-fold"
-    snapshot = replace(snapshot, steepest=(3.0, 0.1, 0.2))
-    assert resolution(channel, 0.0, snapshot) == (False, text)
-    assert sample_metrics(channel, snapshot, channel.probe_positions(3))["reason"] == text
-
-
-def test_a_force_of_the_operators_alone_is_not_resolved():
-    channel = make_channel(initial_state="developed")
-    snapshot = make_snapshot(channel, 0.0)
-    assert resolution(channel, 0.0, replace(snapshot, added_power=0.01)) == (True, None)
-    text = (
-        "where the viscosity jumps, errors of the viscous force have a power of 0.025 of the dissipation; "
-        "resolved up to 0.01"
-    )
-    assert resolution(channel, 0.0, replace(snapshot, added_power=0.025)) == (False, text)
-
-
-def test_a_force_that_scatters_is_not_resolved():
+@pytest.mark.parametrize(
+    ("field", "resolved", "not_resolved", "text"),
+    [
+        (
+            *("steepest", (2.0, 0.1, 0.2), (3.0, 0.1, 0.2)),
+            "the polymer's stretch changes 20-fold within a spacing at (0.1, 0.2); resolved up to 7.4-fold",
+        ),
+        (
+            *("added_power", 0.01, 0.025),
+            "where the viscosity jumps, errors of the viscous force have a power of 0.025 of the dissipation; "
+            "resolved up to 0.01",
+        ),
+        (
+            *("load_scatter", (0.01, 0), (0.033, 0)),
+            "the force on the body at (0.1, 0.2) scatters from step to step by 0.033 of its size; resolved up to 0.01",
+        ),
+    ],
+)
+def test_what_the_steps_have_seen_is_not_resolved(field, resolved, not_resolved, text):
     channel = make_channel(initial_state="developed")
     vars(channel)["bodies"] = (Body(Circle(0.1)),)
     bodies = Bodies(*(np.array([[0.1, 0.2]]) for _ in range(8)))
-    snapshot = replace(make_snapshot(channel, 0.0), bodies=bodies)
-    assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.01, 0))) == (True, None)
-    text = "the force on the body at (0.1, 0.2) scatters from step to step by 0.033 of its size; resolved up to 0.01"
-    assert resolution(channel, 0.0, replace(snapshot, load_scatter=(0.033, 0))) == (False, text)
+    snapshot = make_snapshot(channel, 0.0)
+    seen = replace(snapshot, **{field: not_resolved})
+    assert resolution(channel, 0.0, replace(snapshot, bodies=bodies, **{field: resolved})) == (True, None)
+    assert resolution(channel, 0.0, replace(seen, bodies=bodies)) == (False, text)
+    assert field == "load_scatter" or sample_metrics(channel, seen, channel.probe_positions(3))["reason"] == text
+
+
+def pipe(rheology, across, **sections):
+    """A pipe of a fluid of viscosity 1."""
+    fluid = {"density": 1.0, "kinematic_viscosity": 1.0, "rheology": rheology}
+    fixed = {"scene": "pipe", "fluid": fluid, "discretisation": {"particles_across": across}, "time": {"end": 1.0}}
+    return scenes.of(loaded({**fixed, **sections}, {}))
+
+
+THINNING = {"type": "power_law", "index": 0.5, "reference_rate": 1.0, "least_rate": 0.01}
+TURNS = {"angular_velocity": 4.0}
 
 
 @pytest.mark.parametrize(
     ("rheology", "wall", "spacings", "resolved"),
     [
-        ("newtonian", "{angular_velocity: 4.0}", 3, True),
-        ("newtonian", "{angular_velocity: 4.0}", 2.5, False),
-        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{angular_velocity: 4.0}", 6, True),
-        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{angular_velocity: 4.0}", 4, False),
-        ("power_law, index: 0.5, reference_rate: 1.0, least_rate: 0.01", "{velocity: 4.0}", 4, True),
+        ({"type": "newtonian"}, TURNS, 3, True),
+        ({"type": "newtonian"}, TURNS, 2.5, False),
+        (THINNING, TURNS, 6, True),
+        (THINNING, TURNS, 4, False),
+        (THINNING, {"velocity": 4.0}, 4, True),
     ],
 )
-def test_radius_of_an_inner_wall_is_three_spacings(tmp_path, rheology, wall, spacings, resolved):
+def test_radius_of_an_inner_wall_is_three_spacings(rheology, wall, spacings, resolved):
     """As of any wall that bulges; times the index where it turns, since the shear rate is r^(-2/n) there."""
-    path = tmp_path / "pipe.yaml"
-    path.write_text(
-        "{name: pipe, scene: pipe, geometry: {inner_radius: 0.25, radius: 1.25, length: 2.5}, time: {end: 1.0}, "
-        f"fluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {{type: {rheology}}}}}, "
-        f"walls: {{inner: {wall}}}, discretisation: {{particles_across: {4 * spacings:g}}}}}"
-    )
-    found, reason = resolution(scenes.of(load(path)), 1.0)
+    sections = {"geometry": {"inner_radius": 0.25, "radius": 1.25, "length": 2.5}, "walls": {"inner": wall}}
+    found, reason = resolution(pipe(rheology, 4 * spacings, **sections), 1.0)
     assert found == resolved
     assert resolved or reason.startswith("the radius of the inner wall")
 
@@ -161,21 +164,16 @@ def test_radius_of_an_inner_wall_is_three_spacings(tmp_path, rheology, wall, spa
 @pytest.mark.parametrize(
     ("rheology", "share"),
     [
-        ("{type: newtonian}", 1.0),
+        ({"type": "newtonian"}, 1.0),
         # d^2 = t/2 sqrt(d), since the stress sqrt(1/d) of the rate 1/d has the slope sqrt(d)/2
-        ("{type: power_law, index: 0.5, reference_rate: 1.0, least_rate: 1.0e-6}", 0.5 * 0.02 ** (1 / 3)),
-        ("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}", 0.1),
+        ({**THINNING, "least_rate": 1e-6}, 0.5 * 0.02 ** (1 / 3)),
+        ({"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.1}, 0.1),
     ],
 )
-def test_layer_of_a_pipe_depends_on_the_fluid(tmp_path, rheology, share):
+def test_layer_of_a_pipe_depends_on_the_fluid(rheology, share):
     """A wall of speed 1 starts in a fluid of viscosity 1; ``share``: of it that carries motion away by t = 0.04."""
-    path = tmp_path / "pipe.yaml"
-    path.write_text(
-        "{name: pipe, scene: pipe, geometry: {radius: 1.0, length: 1.0}, walls: {outer: {angular_velocity: 1.0}}, "
-        f"time: {{end: 1.0}}, fluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {rheology}}}, "
-        "discretisation: {particles_across: 20}}"
-    )
-    depth, place = scenes.of(load(path)).thinnest_layer(0.04)
+    sections = {"geometry": {"radius": 1.0, "length": 1.0}, "walls": {"outer": {"angular_velocity": 1.0}}}
+    depth, place = pipe(rheology, 20, **sections).thinnest_layer(0.04)
     assert depth == pytest.approx(math.sqrt(share * 0.04), rel=1e-5)  # of least_rate: 1e-6/(1/d)
     assert place == "the layer at the wall"
 

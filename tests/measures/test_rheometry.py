@@ -14,20 +14,17 @@ import tisph
 from tisph import cli, registry, scenes, simulation
 from tisph.config.loader import loaded
 from tisph.errors import ConfigError
-from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.linear_viscoelasticity import (
     Spectrum,
     apparent_viscosity,
     corrected_viscosity,
     cylinder_apparent_viscosity,
 )
-from tisph.exact.start_up import CircularStartUp, Wall
 from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledWall, WallMotion
 from tisph.report import plots as report
 from tisph.rheometry import rheometers, viscometers
 from tisph.rheometry.rheometers import (
-    _amplitudes,
     _creep,
     _flow_curve,
     _middle,
@@ -145,12 +142,6 @@ def test_one_period_with_the_start_in_it_is_called_unsure(periods, unsure):
     assert any("uncertain" in line for line in lines) == unsure
 
 
-def test_harmonics_do_not_mix():
-    t = np.linspace(0.0, 4 * np.pi, 300)
-    found = _amplitudes(t, np.cos(t) + 0.1 * np.sin(3 * t), 1.0, 0)
-    assert [found[1], found[3], found[5]] == pytest.approx([1.0, -0.1j, 0.0], abs=1e-12)
-
-
 def read_lines(reading):
     """The rows of the table of a reading: numbers, and whether they are marked."""
     rows = [line.split() for line in reading.lines[2:] if line.split()[0][0].isdigit()]
@@ -236,11 +227,6 @@ def test_cylinders_bear_the_torque_of_the_closed_form(own, other):
     assert torque == pytest.approx(expected, rel=1e-9)
 
 
-def test_cylinders_with_a_narrow_gap_are_planes():
-    both = cylinder_apparent_viscosity(1.0, 1e4, 1.0, 1.0, 1.01), apparent_viscosity(1.0, 1e4, 1.0, 0.01)
-    assert both[0] == pytest.approx(both[1], rel=0.02)  # twice the gap over the radius
-
-
 def test_a_cylinder_is_read_as_a_plane():
     t, inner, outer = np.linspace(0.0, 20.0, 50), WallMotion(0.5), WallMotion(0.0)
     viscosities = {"kinematic_viscosity": 1.0, "dynamic_viscosity": 1.0, "solvent_viscosity": 0.1}
@@ -266,18 +252,6 @@ def test_a_cylinder_is_read_as_a_plane():
     assert table["wall_shear"] == pytest.approx(wall.cosine * LIQUID.growth(t))
     with pytest.raises(ConfigError, match="one moving cylinder"):
         as_plane(SimpleNamespace(**{**vars(annulus), "outer": inner}), {})
-
-
-def test_the_reference_between_cylinders_comes_to_the_impedance():
-    # Oldroyd-B, small amplitude; after 20 relaxation times, elements of a coarse grid
-    laws = registry.load("rheology", "oldroyd_b").Parameters(relaxation_time=0.2, solvent_fraction=0.1).laws(1.0)
-    swings = WallMotion(0.0, 1e-3, 3.0)
-    flow = CircularStartUp(1.0, 2.0, ViscoelasticFluid(0.1, laws), swings, Wall(), finest=0.05, order=8)
-    t, density = np.array([6.0, 6.3, 6.6]), 2.0
-    viscosity = density * Spectrum(0.1, ((0.9, 0.2),)).complex_viscosity(3j)
-    stress = (cylinder_apparent_viscosity(viscosity, 3.0, density, 1.0, 2.0) * 1e-3 * 8 / 3 * -1j * np.exp(3j * t)).real
-    torque = flow.torque(t, density=density)[0]
-    assert torque == pytest.approx(-2 * np.pi * stress, rel=1e-6)  # measured: 1e-7, what is left of the start
 
 
 def test_the_exact_normal_stress_of_a_channel_is_read_beside_the_found(case):
@@ -370,23 +344,22 @@ def test_a_relaxation_modulus_is_read_from_a_ramp(times):
 
 
 @pytest.mark.parametrize(
-    ("flux", "mean", "tolerance"),
+    ("law", "mean", "tolerance"),
     [
-        (lambda rate: 3.0 * rate, 2.0 * 0.6**2 / (12 * 3.0), 1e-5),
+        (lambda: UniformShear(lambda rate: 3.0 * rate), 2.0 * 0.6**2 / (12 * 3.0), 1e-5),
         # power law of index 1/2: n/(2 n + 1) (drive h)^(1/n) h, with half the gap h
-        (lambda rate: np.sqrt(rate), 0.25 * 0.6**2 * 0.3, 1e-4),
+        (lambda: UniformShear(np.sqrt), 0.25 * 0.6**2 * 0.3, 1e-4),
         # Bingham: Newtonian times 1 - 3/2 f + 1/2 f^3, f yield stress over that at the wall; regularised to 1e-3 of it
-        (lambda rate: rate + 0.2 * (1.0 - np.exp(-1e4 * rate)), 2.0 * 0.6**2 / 12 * (1 - 0.5 + 0.5 / 27), 1e-3),
+        (
+            lambda: UniformShear(lambda rate: rate + 0.2 * (1.0 - np.exp(-1e4 * rate))),
+            *(2.0 * 0.6**2 / 12 * (1 - 0.5 + 0.5 / 27), 1e-3),
+        ),
+        (lambda: uniform(), 2.0 * 0.6**2 / 12, 1e-5),  # the viscosity of Oldroyd-B is constant: 0.1 + 0.9
     ],
 )
-def test_mean_velocity_between_plates_follows_from_the_flow_curve(flux, mean, tolerance):
+def test_mean_velocity_between_plates_follows_from_the_flow_curve(law, mean, tolerance):
     """Drive 2, gap 0.6, by hand; tolerances are those of the quadrature, 1e-4, and of the regularisation."""
-    assert UniformShear(flux).mean_velocity(2.0, 0.6) == pytest.approx(mean, rel=tolerance)
-
-
-def test_mean_velocity_of_an_oldroyd_b_fluid_is_the_newtonian_one():
-    """Its viscosity is constant: 0.1 of the solvent and 0.9 of the polymer."""
-    assert uniform().mean_velocity(2.0, 0.6) == pytest.approx(2.0 * 0.6**2 / 12, rel=1e-5)
+    assert law().mean_velocity(2.0, 0.6) == pytest.approx(mean, rel=tolerance)
 
 
 def test_a_flow_curve_tells_inertia_from_relaxation():
@@ -451,25 +424,27 @@ def test_a_wall_that_rests_longer_than_it_moves_is_step_strain(times, velocities
     assert read_schedule(config, channel, SCHEDULED_LIQUID, Schedule(times, velocities), table).title == title
 
 
+def runs_of(folder, configs):
+    """Run configs of a channel without pictures; return the folders."""
+    folders = []
+    for name, config in configs.items():
+        folders.append(str(folder / name))
+        settings = loaded({"name": name, "scene": "channel", "output": {"video": None}, **config}, {})
+        simulation.run(settings, Path(folders[-1]), pictures=False, video=False)
+    return folders
+
+
 @pytest.mark.taichi
 def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
     """Moduli of two short runs in a narrow gap, as from a file and from Python, and beside the linear theory."""
     fluid = {"density": 1.0, "dynamic_viscosity": 1.0}
     fluid["rheology"] = {"type": "oldroyd_b", "relaxation_time": 0.1, "solvent_fraction": 0.5}
-    folders = []
-    for frequency in (20.0, 10.0):
-        config = {
-            "name": f"at_{frequency:g}",
-            "scene": "channel",
-            "fluid": fluid,
-            "geometry": {"gap": 0.1, "length": 0.1},
-            "walls": {"top": {"amplitude": 0.01, "angular_frequency": frequency, "phase": "sin"}},
-            "discretisation": {"particles_across": 10},
-            "time": {"end": 8.0 * np.pi / frequency},
-            "output": {"video": None},
-        }
-        folders.append(str(tmp_path / config["name"]))
-        simulation.run(loaded(config, {}), Path(folders[-1]), pictures=False, video=False)
+    fixed = {"fluid": fluid, "geometry": {"gap": 0.1, "length": 0.1}, "discretisation": {"particles_across": 10}}
+    walls = {each: {"amplitude": 0.01, "angular_frequency": each, "phase": "sin"} for each in (20.0, 10.0)}
+    folders = runs_of(
+        tmp_path,
+        {f"at_{w:g}": {**fixed, "walls": {"top": top}, "time": {"end": 8 * np.pi / w}} for w, top in walls.items()},
+    )
     done = CliRunner().invoke(cli.app, ["rheometry", *folders, "--csv", str(tmp_path / "moduli.csv")])
     assert done.exit_code == 0, done.output
     assert "moduli over the angular frequency" in done.output
@@ -492,19 +467,14 @@ def test_oscillations_make_one_curve_in_text_json_and_csv(tmp_path):
 def test_start_ups_make_one_flow_curve(tmp_path):
     """Viscosity and N1 of two short runs in a narrow gap at their ends, beside the law of the fluid."""
     rheology = {"type": "giesekus", "relaxation_time": 0.1, "solvent_fraction": 0.5, "mobility": 0.3}
-    for rate in (20.0, 5.0):
-        config = {
-            "name": f"rate_{rate:g}",
-            "scene": "channel",
-            "fluid": {"density": 0.001, "dynamic_viscosity": 1.0, "rheology": rheology},
-            "geometry": {"gap": 1.0, "length": 1.25},
-            "walls": {"top": {"velocity": rate}},
-            "discretisation": {"particles_across": 8},
-            "time": {"end": 0.6 if rate == 20.0 else 0.1},
-            "output": {"video": None},
-        }
-        simulation.run(loaded(config, {}), tmp_path / config["name"], pictures=False, video=False)
-    done = CliRunner().invoke(cli.app, ["rheometry", *(str(tmp_path / f"rate_{rate}") for rate in (20, 5))])
+    fluid = {"density": 0.001, "dynamic_viscosity": 1.0, "rheology": rheology}
+    fixed = {"fluid": fluid, "geometry": {"gap": 1.0, "length": 1.25}, "discretisation": {"particles_across": 8}}
+    ends = {20: 0.6, 5: 0.1}
+    folders = runs_of(
+        tmp_path,
+        {f"rate_{w}": {**fixed, "walls": {"top": {"velocity": w}}, "time": {"end": t}} for w, t in ends.items()},
+    )
+    done = CliRunner().invoke(cli.app, ["rheometry", *folders])
     assert done.exit_code == 0, done.output
     table = done.stdout.partition("steady shear\n")[2].splitlines()
     assert table[0].endswith("N1, steady")

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tisph import config, registry, runtime, schemes, simulation
+from tisph import config, registry, runtime, schemes
 from tisph.errors import ConfigError, DivergedError
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.guard import Guard
@@ -140,49 +140,33 @@ def run(settings):
     assert all(value is None or math.isfinite(value) for value in balance.values())
 
 
-def outcome(path, data, run):
-    """Tell what comes of ``data``: done, or the name of the error, whose message must say where."""
+def outcome(path, data):
+    """Tell what comes of ``data``: done, or the name of the error; its message where that does not say where."""
     try:
         settings = loaded(path, data)
     except ConfigError as error:
-        message, name, wanted = str(error), "refused", str(path)
-    else:
-        try:
-            run(settings)
-        except DivergedError as error:
-            message, name, wanted = str(error), "diverged", "step"
-        else:
-            return "done"
-    assert wanted in message
-    return name
+        return "refused" if str(path) in str(error) else str(error)
+    try:
+        run(settings)
+    except DivergedError as error:
+        return "diverged" if "step" in str(error) else str(error)
+    return "done"
 
 
-def outcomes(examples, path, run):
+def outcomes(examples, path):
     """Run ``examples`` configs; return how often each outcome came."""
     found = collections.Counter()
 
     @settings(max_examples=examples, deadline=None, suppress_health_check=list(HealthCheck))
     @given(configs())
     def each(data):
-        found[outcome(path, data, run)] += 1
+        found[outcome(path, data)] += 1
 
     each()
+    assert found.keys() <= {"done", "refused", "diverged"}
     return found
 
 
-def test_any_config_runs_or_is_refused_or_stops_with_an_error(tmp_path):
-    assert outcomes(4, tmp_path / "case.yaml", run)["done"] > 1
-
-
-@pytest.mark.slow
-def test_many_more_configs_run_or_are_refused_or_stop_with_an_error(tmp_path):
-    assert outcomes(120, tmp_path / "case.yaml", run)["done"] > 50
-
-
-@pytest.mark.slow
-def test_many_configs_leave_whole_results(tmp_path):
-    def leave_results(settings):
-        simulation.run(settings, tmp_path / "out")
-        assert json.loads((tmp_path / "out/summary.json").read_text())["status"] == "done"
-
-    assert outcomes(50, tmp_path / "case.yaml", leave_results)["done"] > 20
+@pytest.mark.parametrize(("examples", "least"), [(4, 1), pytest.param(120, 50, marks=pytest.mark.slow)])
+def test_any_config_runs_or_is_refused_or_stops_with_an_error(tmp_path, examples, least):
+    assert outcomes(examples, tmp_path / "case.yaml")["done"] > least

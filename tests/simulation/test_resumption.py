@@ -22,19 +22,16 @@ def fit(case):
 
 
 @pytest.mark.parametrize(
-    "later",
+    ("later", "old", "time"),
     [
-        ["time.end=3.0"],
-        ["time.end=3.0", "time.samples=[1.0, 2.5, 3.0]"],
-        ["time.end=3.0", "time.samples=[1.0, 2.0, 3.0]", "output.video.frames=240"],
+        (["time.end=3.0"], OLD, 1.5),
+        (["time.end=3.0", "time.samples=[1.0, 2.5, 3.0]"], OLD, 1.5),
+        (["time.end=3.0", "time.samples=[1.0, 2.0, 3.0]", "output.video.frames=240"], OLD, 1.5),
+        (["time={end: 3.0, samples: [1.0, 3.0]}"], ["time={end: 2.0, samples: [1.0, 2.0]}"], 2.0),
     ],
 )
-def test_a_later_end_may_add_samples_and_other_frames(fit, later):
-    fit(*later)
-
-
-def test_a_sample_at_the_old_end_may_go(fit):
-    fit("time={end: 3.0, samples: [1.0, 3.0]}", old=["time={end: 2.0, samples: [1.0, 2.0]}"], time=2.0)
+def test_a_later_end_may_add_and_lose_samples_and_frames(fit, later, old, time):
+    fit(*later, old=old, time=time)
 
 
 @pytest.mark.parametrize(

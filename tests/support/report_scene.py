@@ -100,6 +100,12 @@ def make_polymer_channel(**changes) -> PolymerChannel:
     return PolymerChannel(**vars(channel))
 
 
+def unit_channel(rows=50, **changes) -> Channel:
+    """Re = 50 in units of the gap: gap 1, length 2, U = 0.5, nu = 0.01; density 2."""
+    unit = {"gap": 1.0, "length": 2.0, "density": 2.0, "kinematic_viscosity": 0.01, "top": WallMotion(0.5)}
+    return make_channel(rows, **{**unit, **changes})
+
+
 def make_annulus(**changes) -> Annulus:
     settings = {
         "inner_radius": 1.0,

@@ -41,7 +41,7 @@ def table(header, separator, columns, point=".", row="{}"):
 
 PROFILE = [Y, exact(Y)]
 FLAT = np.zeros(20)
-
+DUALSPHYSICS = "Pos.x [m];Pos.y [m];Pos.z [m];Vel.x [m/s];Vel.y [m/s]"
 TEXTS = {
     "tabs": (table("y\tu", "\t", PROFILE, ","), {}),
     "blanks": (table("# y u", "  ", PROFILE, ","), {}),
@@ -59,10 +59,7 @@ TEXTS = {
     "units_below": (table("y;u\nmm;mm/s", ";", [1e3 * Y, 1e3 * exact(Y)]), {}),
     "units_of_the_option": (table("y [km],u [m/s]", ",", [1e3 * Y, exact(Y)]), {"units": ["length=mm", "velocity=1"]}),
     "no_unit": (table("y [-],u [-]", ",", PROFILE), {}),
-    "dualsphysics": (
-        table("Pos.x [m];Pos.y [m];Pos.z [m];Vel.x [m/s];Vel.y [m/s]", ";", [Y, FLAT, Y, exact(Y), FLAT]),
-        {},
-    ),
+    "dualsphysics": (table(DUALSPHYSICS, ";", [Y, FLAT, Y, exact(Y), FLAT]), {}),
     "paraview": (table('"U_0","U_1","Points_0","Points_1","Points_2"', ",", [exact(Y), FLAT, Y, Y, FLAT]), {}),
     "paraview_before": (table('"U:0","U:1","Points:0","Points:1","Points:2"', ",", [exact(Y), FLAT, Y, Y, FLAT]), {}),
     "fluent": (table("nodenumber,x-coordinate,y-coordinate,x-velocity", ",", [20 * Y, Y, Y, exact(Y)]), {}),
@@ -124,10 +121,6 @@ def blocks(before, header="y,u"):
     return "\n".join(table(before.format(t) + header, ",", [Y, exact(Y, t)]) for t in TIMES)
 
 
-def archive(path, **arrays):
-    np.savez(path, **arrays)
-
-
 def groups(path, **arrays):
     with h5py.File(path, "w") as file:
         for name, array in arrays.items():
@@ -175,9 +168,9 @@ WITH_TIMES = {
     "blocks_of_units.csv": blocks("# time: {}e3 ms\n"),
     "records.json": json.dumps(RECORDS),
     "sets.json": json.dumps([{"time": t, "y": Y.tolist(), "u": exact(Y, t).tolist()} for t in TIMES]),
-    "a.npz": lambda path: archive(path, time=TIMES, y=Y, u=profiles()[1]),
-    "b.npz": lambda path: archive(path, t=TIMES, step=[1, 2, 3], r=np.stack([profiles()[0]] * 2, 2), u=profiles()[1]),
-    "long.npz": lambda path: archive(path, t=LONG[0], y=LONG[1], u=LONG[2]),
+    "a.npz": lambda path: np.savez(path, time=TIMES, y=Y, u=profiles()[1]),
+    "b.npz": lambda path: np.savez(path, t=TIMES, step=[1, 2, 3], r=np.stack([profiles()[0]] * 2, 2), u=profiles()[1]),
+    "long.npz": lambda path: np.savez(path, t=LONG[0], y=LONG[1], u=LONG[2]),
     "a.h5": lambda path: groups(path, t=TIMES, y=Y, u=profiles()[1]),
     "a.xyz": xyz('Lattice="1 0 0 0 1 0 0 0 1" Time={} '),
 }
@@ -188,7 +181,7 @@ WITHOUT_TIMES = {
     "steps.csv": table("step,y,u", ",", [1e4 * LONG[0], *LONG[1:]]),
     "a.dump": dump(rows),
     "chunks.dat": chunks(rows),
-    "a.npz": lambda path: archive(path, y=Y, u=profiles()[1]),
+    "a.npz": lambda path: np.savez(path, y=Y, u=profiles()[1]),
     "a.json": json.dumps({"y": Y.tolist(), "u": profiles()[1].tolist()}),
     "a.xyz": xyz(""),
 }
@@ -246,7 +239,7 @@ def test_files_that_end_in_the_middle_of_a_frame_are_refused(errors, name):
     ],
 )
 def test_arrays_of_which_no_index_is_the_time_are_refused(errors, tmp_path, arrays):
-    archive(tmp_path / "a.npz", **arrays)
+    np.savez(tmp_path / "a.npz", **arrays)
     with pytest.raises(ConfigError, match="which index is the time"):
         errors("a.npz", None, (TIME,))
 
@@ -257,7 +250,7 @@ def test_the_start_alone_is_refused(errors):
 
 
 def test_quantities_of_each_point_are_no_times(errors, tmp_path):
-    archive(tmp_path / "a.npz", t=TIME, y=Y, u=exact(Y), stress=np.ones((20, 6)), gradient=np.ones((20, 3, 3)))
+    np.savez(tmp_path / "a.npz", t=TIME, y=Y, u=exact(Y), stress=np.ones((20, 6)), gradient=np.ones((20, 3, 3)))
     assert errors("a.npz")[0][TIME] < DIGITS
 
 
@@ -357,9 +350,8 @@ def test_a_file_of_pysph_is_judged_as_the_bench_judges_the_run(config):
     assert len(found.aligned.snapshot.u) == 800
     assert found.numbers["l2"] == pytest.approx(PYSPH_BENCH, rel=PRINTED)
     (frame,) = readers.frames(PYSPH)
-    assert found.numbers["l2"] == pytest.approx(
-        l2(frame.columns["y"], frame.columns["u"]), rel=1e-9
-    )  # sums in another order
+    # sums in another order
+    assert found.numbers["l2"] == pytest.approx(l2(frame.columns["y"], frame.columns["u"]), rel=1e-9)
 
 
 def test_walls_of_lammps_that_do_not_hold_the_fluid_are_found(config):

@@ -89,14 +89,16 @@ def test_summary_and_samples_are_those_of_the_files(finished):
     raw = json.loads((finished.folder / "summary.json").read_text())
     assert (finished.summary.name, finished.summary.status) == ("small", "done")
     assert [sample.l2 for sample in finished.summary.samples] == [sample["l2"] for sample in raw["samples"]]
-    assert finished.summary.samples[-1]["wall_shear_top"] == raw["samples"][-1]["wall_shear_top"]
+    measures = finished.summary.samples[-1]
+    assert measures.wall_shear_top == measures["wall_shear_top"] == raw["samples"][-1]["wall_shear_top"]
+    assert dict(measures) == measures.measures
+    assert copy.deepcopy(measures) == measures
     assert finished.summary.cost.steps == raw["cost"]["steps"]
     assert [sample.t for sample in finished.samples] == [0.4, 1.0]
     last = finished.samples[-1]
     assert len(finished.samples[:1]) == 1
     assert {"x", "y", "u", "v", "density", "pressure", "u_exact"} <= set(last)
-    assert last["u"].shape == (144,)
-    assert last.units["u"] == "m/s"
+    assert (last["u"].shape, last.units["u"]) == ((144,), "m/s")
     assert np.array_equal(last.u, last["u"])
 
 
@@ -197,10 +199,3 @@ def test_a_taichi_program_beside_it_lives_on(tmp_path):
 def test_no_folder_of_results(tmp_path):
     with pytest.raises(ConfigError, match=r"is no folder of results, it has no config.resolved.yaml"):
         tisph.open(tmp_path)
-
-
-def test_numbers_of_a_sample_are_attributes_and_make_a_dict(finished):
-    sample = finished.summary.samples[-1]
-    assert sample.wall_shear_top == sample["wall_shear_top"]
-    assert dict(sample) == sample.measures
-    assert copy.deepcopy(sample) == sample

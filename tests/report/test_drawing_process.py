@@ -75,27 +75,22 @@ def test_an_error_in_drawing_has_a_name_and_ends_nothing(drawing, channel):
     assert drawing.request("plots", channel, {"profiles": ([make_snapshot(channel, 1.0)],)}).result()
 
 
-def test_a_process_that_has_gone_is_one_error_and_keeps_nobody_waiting(channel, tmp_path, monkeypatch):
+def test_a_process_that_has_gone_is_one_error_and_is_replaced(channel, tmp_path, monkeypatch):
     monkeypatch.setattr(drawing_process, "BACKLOG", 1)  # every task waits for the one before it
-    gone = DrawingProcess()
-    os.kill(gone._process.pid, signal.SIGKILL)
+    monkeypatch.setattr(drawing_process, "_shared", None)
+    gone = drawing_process.shared()
+    assert drawing_process.shared() is gone
+    gone._process.kill()
     movie = RemoteMovie(gone, tmp_path / "movie.mp4", channel, VIDEO, "test", END)
     for t in TIMES:
         movie.add(make_snapshot(channel, t))
     with pytest.raises(TisphError, match="the process that draws has ended"):
         movie.close()
     assert not gone.works
-
-
-def test_a_new_process_takes_the_place_of_one_that_has_gone(monkeypatch):
-    monkeypatch.setattr(drawing_process, "_shared", None)
-    first = drawing_process.shared()
-    assert drawing_process.shared() is first
-    first._process.kill()
-    first._process.wait()
-    second = drawing_process.shared()
-    assert second is not first
-    second._process.kill()
+    gone._process.wait()
+    other = drawing_process.shared()
+    assert other is not gone
+    other._process.kill()
 
 
 @pytest.mark.skipif(os.name == "nt", reason="sends signals")

@@ -8,7 +8,6 @@ import imageio_ffmpeg
 import matplotlib
 import numpy as np
 import pytest
-from PIL import Image
 from report_scene import END, VIDEO, Drawn, make_channel, make_snapshot, make_video, particles
 
 from tisph import config, scenes
@@ -25,13 +24,12 @@ TIMES = (0.0, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 @pytest.fixture(scope="module")
 def film(tmp_path_factory):
-    """A finished movie and its frames as drawn."""
+    """A finished movie."""
     channel, path = make_channel(), tmp_path_factory.mktemp("movie") / "movie.mp4"
     with Movie(path, channel, VIDEO, "test", END) as movie:
         for t in TIMES:
             movie.add(make_snapshot(channel, t))
-        frames = [movie.frame(make_snapshot(channel, t)) for t in TIMES]
-    return path, frames
+    return path
 
 
 def read(path):
@@ -43,11 +41,9 @@ def read(path):
 
 
 def test_movie_is_h264_yuv420p_of_the_size_and_rate_asked_for(film):
-    metadata, frames = read(film[0])
-    assert metadata["codec"] == "h264"
-    assert metadata["pix_fmt"].startswith("yuv420p")
-    assert metadata["size"] == (VIDEO.width, VIDEO.height)
-    assert metadata["fps"] == VIDEO.fps
+    metadata, frames = read(film)
+    assert (metadata["codec"], metadata["pix_fmt"][:7]) == ("h264", "yuv420p")
+    assert (metadata["size"], metadata["fps"]) == ((VIDEO.width, VIDEO.height), VIDEO.fps)
     assert len(frames) == len(TIMES)
 
 
@@ -67,16 +63,6 @@ def test_interrupted_movie_keeps_the_frames_it_had(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         run()
     assert len(read(path)[1]) == 3
-
-
-def test_single_frames_need_no_movie(tmp_path):
-    channel = make_channel()
-    with Movie(tmp_path / "movie.mp4", channel, VIDEO, "test", END) as movie:
-        frame = movie.frame(make_snapshot(channel, 1.0))
-        movie.save_frame(tmp_path / "preview.png", make_snapshot(channel, 1.0))
-    assert frame.shape == (VIDEO.height, VIDEO.width, 3)
-    assert np.array_equal(np.asarray(Image.open(tmp_path / "preview.png")), frame)
-    assert not (tmp_path / "movie.mp4").exists()
 
 
 def test_missing_ffmpeg_is_one_clear_message(tmp_path, monkeypatch):
@@ -116,22 +102,10 @@ def test_a_full_disk_is_one_line_and_leaves_the_old_movie(tmp_path):
 
 
 def test_error_of_the_run_is_not_hidden_by_a_broken_movie(tmp_path):
-    channel = make_channel()
-
-    def run():
-        with Movie(tmp_path / "no_such_folder" / "movie.mp4", channel, VIDEO, "test", END) as movie:
-            movie.add(make_snapshot(channel, 1.0))
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        run()
-
-
-def test_frames_of_the_wrong_shape_are_refused(tmp_path):
-    encoder = Encoder(tmp_path / "movie.mp4", 320, 240, 30)
-    with pytest.raises(ValueError, match=r"expected uint8 \(240, 320, 4\)"):
-        encoder.write(np.zeros((320, 240, 4), dtype=np.uint8))
-    encoder.close()
+    movie = Movie(tmp_path / "no_such_folder" / "movie.mp4", make_channel(), VIDEO, "test", END)
+    movie.add(make_snapshot(make_channel(), 1.0))
+    with pytest.raises(ZeroDivisionError), movie:
+        raise ZeroDivisionError
 
 
 WIDTH, HEIGHT = 960, 480

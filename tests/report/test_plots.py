@@ -9,7 +9,7 @@ from PIL import Image
 from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
 
 from tisph import scenes
-from tisph.config import load
+from tisph.config.loader import loaded
 from tisph.geometry.motion import WallMotion
 from tisph.report.plots import history_figure, profile_figure
 from tisph.snapshot import Bodies, Snapshot
@@ -84,9 +84,9 @@ def test_profiles_with_polymer_show_its_stresses_on_their_exact_curves(tmp_path,
     ]
 
 
-def test_profiles_meet_the_walls_of_bodies_and_have_gaps_in_them(tmp_path):
+def test_profiles_meet_the_walls_of_bodies_and_have_gaps_in_them():
     """A velocity that is quadratic in x and y and 0 on the wall of the cylinder, as fits of degree 6 represent it."""
-    scene = lattice(tmp_path)
+    scene = scenes.of(loaded(LATTICE, {}))
     x, y = (np.ravel(each) for each in np.meshgrid(*2 * [(np.arange(32) + 0.5) / 32]))
     squared = (x - 0.5) ** 2 + (y - 0.5) ** 2
     fluid = squared > 0.25**2
@@ -118,24 +118,18 @@ def test_history_shows_tracers_on_the_exact_history(tmp_path, figures):
     assert (shaded.get_x(), shaded.get_x() + shaded.get_width()) == (0.0, pytest.approx(times[5]))
 
 
-def test_legends_stay_short(tmp_path, figures):
-    channel = make_channel()
-    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 30)]).save(tmp_path / "profiles.png")
-    history_figure(channel, *history(channel, 40, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
-    # twelve of them, "exact", and "not resolved" in the history
-    assert [len(legend_texts(figure)) for figure in figures] == [13, 14]
-
-
-def test_legends_overlap_no_other_text(tmp_path, figures):
+def test_legends_stay_short_and_overlap_no_other_text(tmp_path, figures):
     channel = make_channel(top=WallMotion(-2.5e-4), bottom=WallMotion(1e-4))  # the longer kind of error label
-    profile_figure(channel, [make_snapshot(channel, t) for t in np.linspace(1, 20, 12)]).save(tmp_path / "profiles.png")
-    history_figure(channel, *history(channel, 12, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
+    for many in (30, 12):
+        snapshots = [make_snapshot(channel, t) for t in np.linspace(1, 20, many)]
+        profile_figure(channel, snapshots).save(tmp_path / "profiles.png")
+        history_figure(channel, *history(channel, many, np.linspace(0.0, 20.0, 30))).save(tmp_path / "history.png")
+    # twelve of them, "exact", and "not resolved" in the history
+    assert [len(legend_texts(figure)) for figure in figures] == [13, 14] * 2
     for figure in figures:
         box = figure.legends[0].get_window_extent()
-        assert box.x0 >= 0
-        assert box.x1 <= PNG_SIZE[0]
-        for axes in figure.axes:
-            assert not box.overlaps(axes.get_tightbbox())
+        assert 0 <= box.x0 < box.x1 <= PNG_SIZE[0]
+        assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
 
 
 def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, figures):
@@ -151,47 +145,23 @@ def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, fig
     history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
 
 
-LATTICE = """
-scene: lattice
-fluid: {density: 2.0, kinematic_viscosity: 0.5}
-geometry: {length: 1.0, height: 1.0}
-bodies: [{centre: [0.5, 0.5], radius: 0.25}]
-drive: {acceleration: 1.0}
-discretisation: {particles_across: 32}
-time: {end: 1.0}
-"""
+BOX = {"fluid": {"density": 2.0, "kinematic_viscosity": 0.5}, "time": {"end": 1.0}}
+LATTICE = {**BOX, "scene": "lattice", "geometry": {"length": 1.0, "height": 1.0}, "drive": {"acceleration": 1.0}}
+LATTICE |= {"bodies": [{"centre": [0.5, 0.5], "radius": 0.25}], "discretisation": {"particles_across": 32}}
+CAVITY = {**BOX, "scene": "cavity", "geometry": {"width": 1.0, "height": 1.0}, "walls": {"lid": {"velocity": 1.0}}}
 
 
-CAVITY = """
-scene: cavity
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {width: 1.0, height: 1.0}
-walls: {lid: {velocity: 1.0}}
-time: {end: 1.0}
-"""
-
-
-def lattice(folder, *changes):
-    (folder / "case.yaml").write_text(LATTICE)
-    return scenes.of(load(folder / "case.yaml", changes))
-
-
-def test_a_body_alone_has_the_drag_that_drives_the_fluid(tmp_path):
-    scene, times = lattice(tmp_path), np.linspace(0.0, 1.0, 11)
-    figure = history_figure(scene, {}, times, np.zeros((11, 4)))
-    level = figure.axes[0].lines[1]
-    assert level.get_ydata()[0] == pytest.approx(
-        2.0 * (1.0 - np.pi * 0.25**2), rel=1e-9
-    )  # density, acceleration 1, area
+def test_a_body_alone_has_the_drag_that_drives_the_fluid():
+    figure = history_figure(scenes.of(loaded(LATTICE, {})), {}, np.linspace(0.0, 1.0, 11), np.zeros((11, 4)))
+    level = figure.axes[0].lines[1].get_ydata()[0]
+    assert level == pytest.approx(2.0 * (1.0 - np.pi * 0.25**2), rel=1e-9)  # density, acceleration 1, area
     assert [len(axes.lines) for axes in figure.axes[1:]] == [1, 1, 1]
 
 
 @pytest.mark.parametrize(("start", "shown"), [(0.0, 0.0), (np.inf, 1.0), (50.0, 1.0)])
-def test_a_start_that_is_not_resolved_is_shown_unless_it_is_large(tmp_path, start, shown):
+def test_a_start_that_is_not_resolved_is_shown_unless_it_is_large(start, shown):
     """Numbers from 1 to 2 at resolved times; the axis has a tenth more on both sides."""
-    (tmp_path / "cavity.yaml").write_text(CAVITY)
     values, resolved = np.array([start, *np.linspace(1.0, 2.0, 10)])[:, None], np.arange(11) > 0
-    scene = scenes.of(load(tmp_path / "cavity.yaml"))
-    (axes,) = history_figure(scene, {}, np.linspace(0.0, 1.0, 11), values, resolved).axes
+    (axes,) = history_figure(scenes.of(loaded(CAVITY, {})), {}, np.linspace(0.0, 1.0, 11), values, resolved).axes
     margin = 0.1 * (2.0 - shown)
     assert axes.get_ylim() == pytest.approx((shown - margin, 2.0 + margin), rel=1e-12)

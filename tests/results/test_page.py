@@ -147,9 +147,8 @@ def test_estimated_errors_are_a_table_where_there_are_any(folder):
     run = tisph.open(folder)
     assert estimate_table([run], [View.of(run, "small")]).rows == []
     found = {"error": 1.31e-4, "order": 3.9, "reason": None}
-    samples = [
-        {"t": 1.0, "fields": {"velocity": found}, "numbers": {"drag": {**found, "error": None, "reason": "why"}}}
-    ]
+    unknown = {"drag": {**found, "error": None, "reason": "why"}}
+    samples = [{"t": 1.0, "fields": {"velocity": found}, "numbers": unknown}]
     run.summary = replace(run.summary, error_estimate={"reason": None, "samples": samples})
     assert [row.cells for row in estimate_table([run], [View.of(run, "small")]).rows] == [
         ["1 s", "velocity", "1.3×10⁻⁴", "3.9", "relative, L2"],
@@ -177,13 +176,9 @@ def test_a_browser_shows_it_without_a_complaint_and_within_its_window(chromium, 
     assert (colour == "rgb(255, 255, 255)") != dark
 
 
-def test_a_browser_takes_hostile_text_for_text(chromium, page):
+def test_a_browser_takes_hostile_text_for_text_and_prints(chromium, page):
     chromium.open(page, WIDTHS[0])
     assert chromium.value("document.title") == f"small, {HOSTILE} - tisph"
     assert chromium.value("document.querySelectorAll('script, [onerror]').length") == 0
     assert chromium.said == []  # no dialogue, no request
-
-
-def test_the_page_prints(chromium, page):
-    chromium.open(page, WIDTHS[1], dark=True)
     assert chromium.printed().startswith(b"%PDF")

@@ -68,10 +68,6 @@ def test_no_error_without_an_order(values, reason):
     assert found.spread == (pytest.approx(spread, rel=1e-12) if spread > 0.0 else None)
 
 
-def test_mixed_orders_of_either_sign_are_not_monotone():
+def test_mixed_orders_and_an_odd_middle_run_have_no_order():
     assert "not monotone" in of_number(SPACINGS, [h**4 - 3.3e-2 * h**2 * 0.04 for h in SPACINGS], BELIEVED).reason
-
-
-def test_differences_that_no_power_explains():
-    """As where the middle run is the odd one: it differs from both, which are near each other."""
     assert "no one order" in of_norms(SPACINGS, [1.0, 0.9, 0.05], BELIEVED).reason

@@ -249,36 +249,10 @@ time: {end: 1.0}
 """
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("like: coarse", "like: corse", "mine.yaml:5: runs.fine.like: there is no 'corse'; nearest: coarse before it"),
-        (
-            "at_least: 3",
-            "at_lest: 3",
-            "mine.yaml:7: checks.0.at_lest: unknown key of a check by order; nearest: at_least",
-        ),
-        ("{coarse: 16", "{course: 16", "mine.yaml:7: checks.0.runs: there is no run 'course'; nearest: coarse"),
-        ("title: Mine", "titel: Mine", "a suite is a map with the keys title, base, runs and checks"),
-        ("base: flow.yaml", "base: flaw.yaml", "mine.yaml:2: base: flaw.yaml: cannot be read: No such file"),
-        ("particles_across: 32", "particles_acros: 32", "mine.yaml:5: runs.fine: discretisation.particles_acros"),
-        ("[0.1]", "0.1", "mine.yaml:4: runs.coarse.samples: must be a list of times"),
-        ("l2, runs", "l2+, runs", "mine.yaml:7: checks.0.order: 'l2\\+' is no arithmetic expression"),
-        ("runs:\n", "runs:\n  x: [1]\n", "mine.yaml:4: runs.x: must be a map of changes"),
-        ("title: Mine", "title: Mine\nquik: {}", "mine.yaml:2: quik: unknown key; nearest: quick"),
-        ("title: Mine", "title: &a Mine", "mine.yaml:1: anchor &a: anchors are not allowed"),
-        ("title: Mine", "title: [Mine]", "mine.yaml:1: title: must be text"),
-        ("coarse: {samples", "../coarse: {samples", "mine.yaml:4: runs.../coarse: a name has letters, digits"),
-        ("like: coarse", "like: [coarse]", "mine.yaml:5: runs.fine.like: there is no"),
-        ("t: 0.1", "t: []", "mine.yaml:7: checks.0: checks nothing"),
-        (
-            "[0.1]}",
-            "[0.1], resumed: true, estimated: true}",
-            "mine.yaml:4: runs.coarse.estimated: not with resumed: a run is one or the other",
-        ),
-        ("fine: 32", "fine: -32", "mine.yaml:7: checks.0.runs: must be a map of two runs or more"),
-    ],
-)
+MISTAKES = parse((Path(__file__).parent / "data" / "mistakes.yaml").read_text(encoding="utf-8")).data["suites"]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), MISTAKES)
 def test_a_mistake_in_a_suite_names_file_line_key_and_fix(old, new, message, tmp_path):
     (tmp_path / "flow.yaml").write_text(FLOW)
     (tmp_path / "mine.yaml").write_text(GOOD.replace(old, new))

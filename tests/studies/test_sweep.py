@@ -18,6 +18,7 @@ from fake_runs import FakeRuns, sleeper
 from ruamel.yaml import YAML
 from sweep_worker import summary
 
+from tisph.config.yaml_text import parse
 from tisph.errors import ConfigError
 from tisph.folder import held
 from tisph.rheometry.viscometers import Reading
@@ -66,38 +67,22 @@ def runs(monkeypatch):
 
 
 def test_keys_vary_each_with_each_or_together(study):
-    study.write_text(
-        STUDY.replace("bound", '"error": l2\nbound').replace(
-            "collect", "  'fluid.density, walls.top.velocity': [[1.0, 0.5], [2.0, 0.25]]\ncollect"
-        )
-    )
+    together = "  'fluid.density, walls.top.velocity': [[1.0, 0.5], [2.0, 0.25]]\ncollect"
+    study.write_text(STUDY.replace("bound", '"error": l2\nbound').replace("collect", together))
     found = sweep.read(study)
     assert found.keys == ("discretisation.particles_across", "time.end", "fluid.density", "walls.top.velocity")
-    assert len(found.cases) == 3 * 3 * 2
-    assert [tuple(case.values.values()) for case in found.cases[:3]] == [
-        (10, 1, 1.0, 0.5),
-        (10, 1, 2.0, 0.25),
-        (10, 2, 1.0, 0.5),
-    ]
+    cases = [tuple(case.values.values()) for case in found.cases]
+    assert cases[:3] == [(10, 1, 1.0, 0.5), (10, 1, 2.0, 0.25), (10, 2, 1.0, 0.5)]
     assert found.cases[1].config["walls"]["top"]["velocity"] == 0.25
-    assert len({case.name for case in found.cases}) == 18
+    assert len(cases) == len({case.name for case in found.cases}) == 3 * 3 * 2
+    assert all(case.config["runtime"]["threads"] == 1 for case in found.cases)
     assert all(case.config["runtime"]["threads"] == 1 for case in found.cases)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("vary:", "varied:", "keys base and vary"),
-        ("bound:", "limit:", "unknown key limit"),
-        ("[10, 20, 40]", "12", "must be a list"),
-        ("count: 3", "number: 3", "a range has the keys"),
-        ("from: 1,", "from: 0,", "time.end"),
-        ("discretisation.particles_across:", "'a, b':", "list of 2 values"),
-        ("top, steps]", "tpo, stepz]", "number wall_shear_tpo; nearest: wall_shear_top, stepz; nearest: step; allow"),
-        ("collect: [l2, wall_shear_top, steps]", "collect: l2", "a list of names"),
-        ("case.yaml", "cases.yaml", "no such file"),
-    ],
-)
+MISTAKES = parse((Path(__file__).parent / "data" / "mistakes.yaml").read_text(encoding="utf-8")).data["sweeps"]
+
+
+@pytest.mark.parametrize(("old", "new", "says"), MISTAKES)
 def test_a_study_with_a_mistake_is_one_message(study, old, new, says):
     study.write_text(STUDY.replace(old, new))
     if says == "no such file":  # of the base, in every row

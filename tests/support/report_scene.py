@@ -4,6 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
+from tisph import scenes
+from tisph.config import load
 from tisph.config.sections import Video
 from tisph.geometry.motion import WallMotion
 from tisph.report.movie import Movie, _Ranges
@@ -136,3 +138,16 @@ def particles(channel, t, x, y, u) -> Snapshot:
     if channel.polymer:
         stresses = dict(zip(("stress_xx", "stress_xy", "stress_yy"), channel.exact_polymer_stress(y, t), strict=True))
     return Snapshot(t=t, step=0, x=x, y=y, u=u, v=zero, density=zero + channel.density, pressure=zero, **stresses)
+
+
+def at_start(folder, text):
+    """Return a function that gives config, scene and snapshot at t = 0 of the config ``text`` with overrides."""
+    from tisph.simulation.state import start_snapshot, start_values  # it imports Taichi, which pictures do without
+
+    def build(*overrides):
+        (folder / "case.yaml").write_text(text)
+        config = load(folder / "case.yaml", overrides)
+        scene = scenes.of(config)
+        return config, scene, start_snapshot(scene, start_values(scene, config.initial), "f64")
+
+    return build

@@ -100,11 +100,12 @@ def few_points(folder, config, scene, snapshot):
     order = np.argsort(snapshot.y, kind="stable")
     for count in (1, 5, 20):
         chosen = order[np.linspace(0, len(order) - 1, count).astype(int)]
-        np.savez(folder / "few.npz", t=snapshot.t, **{key: column[chosen] for key, column in columns.items()})
+        few = {key: column[chosen] for key, column in columns.items()}
+        np.savez(folder / "few.npz", t=snapshot.t, **few)
         if count == 1:
             with pytest.raises(ConfigError, match="at least 5"):
                 judge.judge(config, [folder / "few.npz"], judge.Question())
-        few = {key: column[chosen] for key, column in columns.items()}
+            continue
         found = judge.judge(config, [folder / "few.npz"], judge.Question())
         part = Snapshot(t=snapshot.t, step=0, **few, density=None, pressure=None)
         own = sample_metrics(scene, part, None, errors_alone=True)

@@ -14,6 +14,7 @@ import re
 import types
 import typing
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -126,11 +127,6 @@ def alternatives(annotation, metadata=()):
         yield annotation, metadata
 
 
-def member_of(metadata):
-    """Return the mark of a family among the ``metadata``, or None."""
-    return next((mark for mark in metadata if isinstance(mark, Member)), None)
-
-
 def walk(model, data, place=()):
     """Yield place, types and written value of each key of a ``model``, and below it, of the first item of lists."""
     for name, field in model.model_fields.items():
@@ -142,7 +138,8 @@ def walk(model, data, place=()):
             if typing.get_origin(kind) is tuple and isinstance(value, list):
                 kind, metadata = next(alternatives(typing.get_args(kind)[0]))
                 inside, lower = value[0], (*here, 0)
-            member, plain = member_of(metadata), isinstance(kind, type) and issubclass(kind, Model)
+            member = next((mark for mark in metadata if isinstance(mark, Member)), None)
+            plain = isinstance(kind, type) and issubclass(kind, Model)
             found = member.model(inside) if member else kind if plain else None
             if found and found is not Model and (inside is None or isinstance(inside, dict)):
                 yield from walk(found, inside, lower)
@@ -150,7 +147,8 @@ def walk(model, data, place=()):
 
 def values(kind, metadata, value, required):
     """Yield values of a type that differ from ``value``; ``required``: the keys of members by their names."""
-    member, origin, inner = member_of(metadata), typing.get_origin(kind), typing.get_args(kind)
+    member = next((mark for mark in metadata if isinstance(mark, Member)), None)
+    origin, inner = typing.get_origin(kind), typing.get_args(kind)
     number = value if isinstance(value, int | float) and not isinstance(value, bool) else None
     if member:
         names = [name for name in registry.names(member.family) if name != "auto"]  # which is one of the others
@@ -250,14 +248,6 @@ def accepted(name, key):
     return pairs
 
 
-def stepped(settings, steps):
-    """Return the scene, and the state after some ``steps``."""
-    with tisph.Simulation(settings) as simulation:
-        for _ in range(steps):
-            simulation.step()
-        return simulation.scene, simulation._last_step().at(simulation.time)
-
-
 def measured(settings, scene, state):
     """Return what is recorded of a state, and its numbers in ``summary.json``."""
     series = scene.time_series(**settings.time_series)
@@ -276,16 +266,6 @@ def plain(state, above=""):
             yield from plain(value, f"{name}.")
         else:
             yield above + name, value.tobytes() if isinstance(value, np.ndarray) else repr(value)
-
-
-def plan(settings, folder):
-    """Return the files that a run writes, and when."""
-    with tisph.Simulation(settings) as simulation:
-        record = recording.Recording(simulation, Folder(folder), pictures=False, video=True)
-        schedules = [(type(each).__name__, sorted(vars(each.schedule).items())) for each in record.added]
-        for each in record.observers:
-            each.close()
-    return repr(schedules)
 
 
 def film(settings, state, folder):
@@ -311,8 +291,12 @@ class Outcomes:
         return self.known[place]
 
     def stepped(self, settings, steps):
+        """Return the scene, and the state after some ``steps``; or the error."""
         try:
-            return stepped(settings, steps)
+            with tisph.Simulation(settings) as simulation:
+                for _ in range(steps):
+                    simulation.step()
+                return simulation.scene, simulation._last_step().at(simulation.time)
         except DivergedError as error:
             return str(error)
 
@@ -325,9 +309,15 @@ class Outcomes:
         return reached if isinstance(reached, str) else measured(settings, *reached)
 
     def plan(self, settings):
+        """Return the files that a run writes, and when."""
         folder = self.folder / str(len(self.known))
         folder.mkdir()
-        return plan(settings, folder)
+        with tisph.Simulation(settings) as simulation:
+            record = recording.Recording(simulation, Folder(folder), pictures=False, video=True)
+            schedules = [(type(each).__name__, sorted(vars(each.schedule).items())) for each in record.added]
+            for each in record.observers:
+                each.close()
+        return repr(schedules)
 
 
 SEEN = list(itertools.product((1, 5), ("arrays", "measured")))
@@ -336,7 +326,7 @@ SEEN = list(itertools.product((1, 5), ("arrays", "measured")))
 
 def without_effect(name, keys, folder, monkeypatch):
     """Return the accepted keys among those for which ``keys(key)`` is true that change nothing, with values."""
-    monkeypatch.setattr(recording, "movie", lambda *_: Film())
+    monkeypatch.setattr(recording, "movie", lambda *_: SimpleNamespace(add=print, close=lambda: None))
     outcome, dead, state = Outcomes(folder), {}, None
     for key in filter(keys, form(name)[2]):
         for before, after, _ in accepted(name, key):
@@ -352,15 +342,6 @@ def without_effect(name, keys, folder, monkeypatch):
         else:
             dead[key] = [other for _, _, other in accepted(name, key)]
     return {key: others for key, others in dead.items() if others}
-
-
-class Film:
-    """Stands in for the movie of a run, whose frames are not drawn."""
-
-    def add(self, *_):
-        pass
-
-    close = add
 
 
 def named(data):
@@ -380,11 +361,10 @@ def own(name):
     shared, written = reference.scene_keys()[0], set(named(FORMS[scene][chosen]))
 
     def varied(key):
-        if name in WHOLE:
-            return True
-        if OFTEN.match(key):
+        if OFTEN.match(key) and name not in WHOLE:
             return chosen == "first" or "scheme" in written
-        return key in written if chosen != "first" else key not in shared and not key.startswith("fluid.")
+        named_here = key in written if chosen != "first" else key not in shared and not key.startswith("fluid.")
+        return name in WHOLE or named_here
 
     return varied
 
@@ -394,12 +374,7 @@ QUICK |= {"channel: free body", "channel: stream", "annulus: first", "annulus: b
 """Forms that fit into a minute of processor time and have all kinds of keys; the others are slow."""
 
 
-def cost(name):
-    """Return the form as a parameter, marked as slow where it is."""
-    return pytest.param(name, marks=[] if name in QUICK else pytest.mark.slow)
-
-
-@pytest.mark.parametrize("name", map(cost, NAMES))
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in NAMES])
 def test_an_accepted_key_has_an_effect(name, tmp_path, monkeypatch):
     assert without_effect(name, own(name), tmp_path, monkeypatch) == {}
 
@@ -421,13 +396,10 @@ def test_every_key_of_a_scene_is_accepted_by_a_config(scene):
     if scene != "channel":
         own_keys = dict(reference.fields(registry.load("scenes", scene).Config))
         keys = [key for key in keys if key in own_keys and key not in shared]
-    never = {key for key in keys if not any(accepted(name, key) for name in names if told(name, key))}
+    varied = {name: own(name) for name in names}
+    told = {key: [name for name in names if key in form(name)[2] and varied[name](key)] for key in keys}
+    never = {key for key in keys if not any(accepted(name, key) for name in told[key])}
     assert {key for key in never if not re.fullmatch(REFUSED.get(scene, ""), key)} == set()
-
-
-def told(name, key):
-    """Return whether a form has a key and varies it in every run of the tests."""
-    return key in form(name)[2] and own(name)(key)
 
 
 REFUSALS = [

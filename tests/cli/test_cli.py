@@ -2,7 +2,6 @@
 
 import json
 import re
-import subprocess
 import sys
 import types
 from importlib import metadata
@@ -315,12 +314,3 @@ def test_render(case, simulation):
     done = tisph_command("render", ".", "--set", "output.video.fps=10")
     assert (done.exit_code, done.output) == (0, "profiles.png\n")
     assert simulation.calls == [(Path("."), ["output.video.fps=10"], False)]
-
-
-def test_module_entry_point(case):
-    """``python -m tisph`` from a shell: the status arrives, and standard output stays empty on an error."""
-    done = subprocess.run(
-        [sys.executable, "-m", "tisph", "check", str(case / "bad.yaml")], cwd=ROOT, capture_output=True, text=True
-    )
-    assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("error: ")

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from couette import couette_text
 
 import tisph
 from tisph import cli
@@ -17,18 +18,8 @@ from tisph.studies import processes
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 2.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 12}
-units: {length: "µm"}
-time: {end: 1.0}
-output: {video: null}
-runtime: {threads: 1}
-"""
 NAME = "łμ中"
+CASE = couette_text(name=NAME, units={"length": "µm"}, output={"video": None})
 ESCAPED = r"\u0142\u03bc\u4e2d"
 
 COMMANDS = {

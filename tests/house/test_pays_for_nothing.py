@@ -6,6 +6,7 @@ from collections import deque
 
 import kept_program
 import pytest
+from couette import couette_text
 
 from tisph import config, registry, runtime
 from tisph.report import movie
@@ -16,15 +17,7 @@ from tisph.size_class import size_class
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 12}
-time: {end: 0.01}
-runtime: {threads: 1}
-"""
+CASE = couette_text(time={"end": 0.01})
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 ROOM = size_class(12 * 12)  # of all fields of particles and of points on the walls
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from couette import couette
 from typer.testing import CliRunner
 
 import tisph
@@ -21,18 +22,8 @@ from tisph.results.export import export
 
 pytestmark = pytest.mark.taichi
 
-CASE = {
-    "name": "small",
-    "scene": "channel",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
-    "geometry": {"gap": 1.0, "length": 1.0},
-    "walls": {"top": {"velocity": 0.5}},
-    "discretisation": {"particles_across": 12},
-    "scheme": {"type": "wcsph"},
-    "time": {"end": 1.0, "samples": [0.4, 1.0]},
-    "output": {"video": {"frames": 3, "width": 640, "height": 320}},
-    "runtime": {"threads": 1},
-}
+OUTPUT = {"video": {"frames": 3, "width": 640, "height": 320}}
+CASE = couette(scheme={"type": "wcsph"}, time={"end": 1.0, "samples": [0.4, 1.0]}, output=OUTPUT)
 
 BESIDE_TAICHI = """
 import json, sys

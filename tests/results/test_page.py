@@ -12,6 +12,7 @@ import browser
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from couette import couette_text
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -22,17 +23,8 @@ from tisph.results.page import View, estimate_table, measure_table, movie_elemen
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-name: small
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 12}
-time: {end: 1.0, samples: [0.4, 1.0]}
-output: {video: {frames: 10, width: 640, height: 320}}
-runtime: {threads: 1}
-"""
+OUTPUT = {"video": {"frames": 10, "width": 640, "height": 320}}
+CASE = couette_text(time={"end": 1.0, "samples": [0.4, 1.0]}, output=OUTPUT)
 
 HOSTILE = "</title><script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'"
 WIDTHS = (400, 1600)

@@ -7,6 +7,7 @@ import shutil
 import h5py
 import numpy as np
 import pytest
+from couette import couette_text
 
 from tisph import config, simulation
 from tisph.errors import ConfigError
@@ -18,16 +19,9 @@ from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 12}
-time: {end: 0.9, samples: [0.3, 0.45, 0.6, 0.9]}
-output: {video: {frames: 7, width: 640, height: 320}, checkpoint_every: 0.5}
-"""
+TIMES = {"end": 0.9, "samples": [0.3, 0.45, 0.6, 0.9]}
+OUTPUT = {"video": {"frames": 7, "width": 640, "height": 320}, "checkpoint_every": 0.5}
+CASE = couette_text(initial={"jitter": 0.2}, time=TIMES, output=OUTPUT)
 OLDROYD_B = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 MODES = (
     "fluid.rheology={type: multi_mode, solvent_fraction: 0.4, modes: [{relaxation_time: 0.5, fraction: 0.3}, "

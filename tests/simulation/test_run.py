@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from couette import couette_text
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -24,18 +25,9 @@ pytestmark = pytest.mark.taichi
 
 VORTEX = Path(__file__).parents[2] / "configs/taylor_green.yaml"
 
-CASE = """
-name: small
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 12}
-initial: {jitter: 0.2}
-scheme: {type: wcsph}
-time: {end: 1.0, samples: [0.4, 1.0]}
-output: {video: {frames: 5, width: 640, height: 320}, checkpoint_every: 0.5}
-"""
+OUTPUT = {"video": {"frames": 5, "width": 640, "height": 320}, "checkpoint_every": 0.5}
+FLOW = {"scheme": {"type": "wcsph"}, "initial": {"jitter": 0.2}, "time": {"end": 1.0, "samples": [0.4, 1.0]}}
+CASE = couette_text(**FLOW, output=OUTPUT)
 POLYMER = "oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4"
 
 

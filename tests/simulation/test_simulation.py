@@ -5,6 +5,7 @@ import signal
 
 import numpy as np
 import pytest
+from couette import couette
 
 import tisph
 from tisph import runtime, simulation
@@ -15,18 +16,8 @@ from tisph.simulation.simulation import changed
 
 pytestmark = pytest.mark.taichi
 
-CASE = {
-    "name": "small",
-    "scene": "channel",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
-    "geometry": {"gap": 1.0, "length": 1.0},
-    "walls": {"top": {"velocity": 0.5}},
-    "discretisation": {"particles_across": 12},
-    "scheme": {"type": "implicit"},
-    "time": {"end": 1.0, "samples": [0.4, 1.0]},
-    "output": {"video": None},
-    "runtime": {"threads": 1},
-}
+TIMES = {"end": 1.0, "samples": [0.4, 1.0]}
+CASE = couette(scheme={"type": "implicit"}, time=TIMES, output={"video": None})
 VORTICES = {
     "scene": "taylor_green",
     "fluid": {"density": 1.0, "kinematic_viscosity": 0.05},

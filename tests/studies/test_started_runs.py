@@ -8,26 +8,18 @@ import time
 import h5py
 import numpy as np
 import pytest
+from couette import couette_text
 
 from tisph.studies import processes
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 1.0}
-walls: {top: {velocity: 0.5}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 12}
-time: {end: 0.5}
-runtime: {threads: 1}
-"""
+CASE = {"initial": {"jitter": 0.2}, "time": {"end": 0.5}}
 
 
 def test_they_have_the_bits_of_the_command_line(tmp_path):
     path = tmp_path / "case.yaml"
-    path.write_text(CASE)
+    path.write_text(couette_text(**CASE))
     for folder in ("first", "second"):  # the server starts with the first one
         began = time.perf_counter()
         result, message = processes.run_config(path, tmp_path / folder)
@@ -47,7 +39,7 @@ def test_they_have_the_bits_of_the_command_line(tmp_path):
 
 def test_one_that_is_refused_says_why(tmp_path):
     path = tmp_path / "case.yaml"
-    path.write_text(CASE.replace("end: 0.5", "end: -1"))
+    path.write_text(couette_text(time={"end": -1}))
     result, message = processes.run_config(path, tmp_path / "refused")
     assert result.summary["status"] == "failed"
     assert "time.end = -1: must be greater than 0" in message

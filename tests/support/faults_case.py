@@ -4,6 +4,7 @@ import json
 
 import h5py
 import numpy as np
+from couette import couette_text
 from PIL import Image
 
 from tisph import config
@@ -11,18 +12,11 @@ from tisph.observers.history import read_history
 from tisph.observers.samples import read_frames, read_samples
 
 END = 5.0
-CASE = f"""
-name: small
-scene: channel
-fluid: {{density: 1.0, kinematic_viscosity: 0.01}}
-geometry: {{gap: 1.0, length: 1.0}}
-walls: {{top: {{velocity: 0.5}}}}
-discretisation: {{particles_across: 12}}
-initial: {{jitter: 0.2}}
-scheme: {{type: wcsph}}
-time: {{end: {END}, samples: {[END * k / 20 for k in range(1, 21)]}}}
-output: {{video: {{frames: 40, width: 640, height: 320}}, checkpoint_every: {END / 50}}}
-"""
+SAMPLES = [END * k / 20 for k in range(1, 21)]
+OUTPUT = {"video": {"frames": 40, "width": 640, "height": 320}, "checkpoint_every": END / 50}
+CASE = couette_text(
+    initial={"jitter": 0.2}, scheme={"type": "wcsph"}, time={"end": END, "samples": SAMPLES}, output=OUTPUT
+)
 """Some 1300 steps in a second, with five hundred writes on the way."""
 
 

@@ -49,19 +49,6 @@ def test_a_file_that_is_there_is_left_as_it_is():
     assert Path("couette.yaml").read_text() == "mine"
 
 
-@pytest.mark.parametrize("name", ["couete", "../configs/couette", ""])
-def test_what_is_not_on_the_menu(name):
-    done = new(name)
-    assert done.exit_code == 2
-    assert "there is no such config" in done.stderr
-    assert ("nearest: couette" in done.stderr) == (name == "couete")
-    assert list(Path().iterdir()) == []
-
-
-def test_a_name_is_needed():
-    assert new().stderr == "error: NAME is missing; tisph new --list shows the menu\n"
-
-
 def keys(*arguments):
     return CliRunner().invoke(cli.app, ["keys", *arguments])
 
@@ -84,9 +71,3 @@ def test_keys_of_one_section_are_no_others():
     assert len(own) > 20
     assert shown[: len(own)] == own  # the keys of wall treatments follow
     assert {line.partition(":")[0] for line in lines if line and line[0] != " "} == {"Scene channel", "Wall treatments"}
-
-
-def test_an_unknown_section_names_the_nearest():
-    done = keys("channel", "wals")
-    assert done.exit_code == 2
-    assert done.stderr.endswith("; nearest: walls\n")

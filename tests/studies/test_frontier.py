@@ -2,13 +2,10 @@
 
 import json
 import math
-import re
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-import tisph
 from tisph.cli import app
 from tisph.config import load
 from tisph.errors import TisphError
@@ -29,7 +26,6 @@ from tisph.studies.frontier import (
 )
 
 FLOW = "couette_2.7"
-ROOT = Path(tisph.__file__).parents[1]
 
 
 def row(method, l2, *loops, code="tisph", flow=FLOW, quoted=False):
@@ -102,12 +98,6 @@ def test_with_as_many_particles_we_have_to_be_more_accurate_and_faster():
         return found.passed
 
     assert [passed(9e-5, 80.0), passed(1.1e-4, 80.0), passed(9e-5, 100.0)] == [True, False, False]
-
-
-def test_a_folder_without_the_peers_scripts_is_refused(tmp_path):
-    result = CliRunner().invoke(app, ["bench", "frontier", "--peers", str(tmp_path)])
-    assert result.exit_code == 2
-    assert "there is no measure.py" in result.stderr
 
 
 def test_each_flow_has_the_error_that_its_title_names():
@@ -200,11 +190,3 @@ def test_the_groups_of_the_command_line_are_those_that_there_are(tmp_path, monke
     assert CliRunner().invoke(app, ["bench"]).exit_code == 0
     others = [(f"frontier_{group}", group) for group in GROUPS if group != "channel"]
     assert asked == [("frontier", "channel"), *others, ("frontier", "channel")]
-    assert CliRunner().invoke(app, ["bench", "frontier", "--flow", "annulus"]).exit_code == 2
-
-
-@pytest.mark.parametrize("name", ["throughput", "scaling"])
-def test_a_benchmark_that_has_moved_says_where_its_script_is(name):
-    result = CliRunner().invoke(app, ["bench", name, "--configs", "configs"])
-    assert result.exit_code == 2
-    assert (ROOT / re.search(r"python (benchmarks/\w+\.py)", result.stderr)[1]).is_file()

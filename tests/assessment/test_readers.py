@@ -244,11 +244,6 @@ def test_arrays_of_which_no_index_is_the_time_are_refused(errors, tmp_path, arra
         errors("a.npz", None, (TIME,))
 
 
-def test_the_start_alone_is_refused(errors):
-    with pytest.raises(ConfigError, match="has t = 0 alone"):
-        errors("start.csv", table("t,y,u", ",", [FLAT, Y, FLAT]))
-
-
 def test_quantities_of_each_point_are_no_times(errors, tmp_path):
     np.savez(tmp_path / "a.npz", t=TIME, y=Y, u=exact(Y), stress=np.ones((20, 6)), gradient=np.ones((20, 3, 3)))
     assert errors("a.npz")[0][TIME] < DIGITS

@@ -18,8 +18,6 @@ from tisph.errors import DivergedError, TisphError
 from tisph.folder import RESULTS, held
 from tisph.schemes._estimate import step_counts
 
-ROOT = Path(tisph.__file__).parents[1]
-
 CONFIG = """\
 scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 0.01}

@@ -12,7 +12,6 @@ from tisph import cli, scenes
 from tisph.config import load
 from tisph.config.loader import loaded
 from tisph.errors import ConfigError
-from tisph.report import plots as report
 from tisph.rheometry.rheometers import read
 from tisph.rheometry.viscometers import batch_means, rabinowitsch, read_viscometer
 from tisph.scenes import of
@@ -303,22 +302,6 @@ def test_fixed_bodies_are_no_suspension(make, tmp_path):
     done = CliRunner().invoke(cli.app, ["rheometry", str(tmp_path)])
     assert done.exit_code == 2
     assert "rheometry reads runs in a channel (without bodies, or with free bodies)" in done.stderr
-
-
-def test_the_picture_has_both_ways_over_the_strain(make, tmp_path, monkeypatch):
-    figures = []
-    monkeypatch.setattr(report.style.PlotFigure, "savefig", lambda self, *rest, **others: figures.append(self))
-    config, scene = make(ROUND)
-    report.plot_reading(
-        tmp_path / "a.png", "name", read(config, scene, noisy(0.4)), SimpleNamespace(**vars(scene.units))
-    )
-    (axes,) = figures[0].axes
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("strain", "viscosity over that of the fluid")
-    assert [line.get_label() for line in axes.lines] == [
-        "by the stress on the walls",
-        "by the stresses of the bodies",
-        "Einstein, 1 + 2φ",
-    ]
 
 
 def test_a_ball_has_a_terminal_velocity_in_slow_flow_alone():

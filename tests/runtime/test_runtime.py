@@ -113,32 +113,6 @@ def test_a_kernel_that_is_launched_again_sees_its_arguments_and_its_object():
         one.add(1)
 
 
-class Subclass(Counter):
-    """Overrides what its class has, and calls it."""
-
-    @property
-    def half(self):
-        return 0.5 * self.doubled()
-
-    @ti.kernel
-    def add(self, times: ti.i32, what: float):
-        self.total[None] -= times * what
-
-    def both(self):
-        super().add(1, 3.0)
-        self.add(1, 2.0)
-
-
-@of_taichi_1_7_4  # Taichi itself finds no kernel by super(), and Quadrants keeps it in the place of the object's own
-def test_an_object_has_the_kernels_of_its_class_and_of_those_above():
-    runtime.start("f64", 1)
-    one = Subclass()
-    for _ in range(2):
-        one.both()
-    assert one.total[None] == 2 * (3.0 - 2.0)
-    assert one.half == 2.0
-
-
 def test_no_kernel_of_the_package_calls_that_of_a_class_above():
     # Taichi cannot, and Quadrants keeps what super() finds in the object, in the place of its own
     package, kernels, methods, called = Path(tisph.__file__).parent, set(), set(), set()

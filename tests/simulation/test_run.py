@@ -3,10 +3,8 @@
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -250,19 +248,3 @@ def test_no_kernel_reads_or_writes_out_of_bounds(run, monkeypatch, scheme, treat
 )
 def test_runs_without_a_home_to_keep_compiled_kernels_in(tmp_path, home, options):
     in_a_process(tmp_path, "--set", "time={end: 0.01}", *options, without=["HOME", "XDG_CACHE_HOME"], **home)
-
-
-def test_a_second_run_into_the_same_folder_is_refused(run, tmp_path):
-    command = [sys.executable, "-m", "tisph", "run", "small.yaml", "--out", tmp_path / "out"]
-    first = subprocess.Popen([*command, "--set", "time.end=1000.0"], cwd=tmp_path)  # longer than any machine waits
-    history = tmp_path / "out/history.csv"
-    while not history.exists() or history.read_text().count("\n") < 10:
-        assert first.poll() is None
-        time.sleep(0.01)
-    try:
-        refused = run("--overwrite", status=2)
-        assert "is in use, another run is writing there" in refused.stderr
-    finally:
-        first.send_signal(signal.SIGTERM)
-        first.wait()
-    assert summary(tmp_path / "out")["status"] == "interrupted"

@@ -79,16 +79,6 @@ def test_callbacks_come_by_time_and_by_steps_and_change_no_bit(scheme):
         assert np.array_equal(alone.run_until(1.0).u, watched.u)
 
 
-def test_a_saved_simulation_continues_bitwise(end_of_run, tmp_path):
-    with tisph.Simulation(CASE) as sim:
-        sim.run_until(0.5)
-        sim.save(tmp_path / "checkpoint.h5")
-        saved = sim.steps
-    with tisph.Simulation.restore(tmp_path / "checkpoint.h5") as sim:
-        assert sim.steps == saved
-        assert same(sim.run_until(1.0), end_of_run[1])
-
-
 def test_results_are_the_files_of_tisph_run(end_of_run, tmp_path):
     sim = tisph.Simulation(CASE)
     sim.results(tmp_path / "mine")

@@ -180,14 +180,6 @@ def test_a_run_that_outlives_a_killed_sweep_is_waited_for(study, runs, undrawn, 
     assert len(runs.configs) == 2
 
 
-def test_a_larger_study_runs_only_what_is_new(study, runs, undrawn, tmp_path):
-    run(study, tmp_path / "out", 2)
-    runs.configs.clear()
-    study.write_text(STUDY.replace("[10, 20, 40]", "[10, 20, 25, 40]"))
-    run(study, tmp_path / "out", 2)
-    assert {config["discretisation"]["particles_across"] for config in runs.configs} == {25}
-
-
 @pytest.mark.skipif(os.name == "nt", reason="kills by signal")
 def test_dask_with_a_killed_worker_gives_the_same_table(study, runs, undrawn, tmp_path, monkeypatch):
     distributed = pytest.importorskip("distributed", reason="Dask is an extra")

@@ -98,6 +98,18 @@ def shared(make_any):
 
 
 @pytest.fixture
+def loader(tmp_path):
+    """Return a function that turns the text of a config into one that loads it with ``key.path=value`` overrides."""
+    from tisph.config import load
+
+    def of(text):
+        (tmp_path / "case.yaml").write_text(text)
+        return lambda *overrides: load(tmp_path / "case.yaml", overrides)
+
+    return of
+
+
+@pytest.fixture
 def couette(tmp_path):
     """Path of a config of start-up Couette flow that leaves open whatever it can."""
     path = tmp_path / "case.yaml"
@@ -106,11 +118,9 @@ def couette(tmp_path):
 
 
 @pytest.fixture
-def case(couette):
-    """Return a function that loads this config with ``key.path=value`` overrides."""
-    from tisph.config import load
-
-    return lambda *overrides: load(couette, overrides)
+def case(loader):
+    """Return a function that loads this config with overrides."""
+    return loader(COUETTE)
 
 
 @pytest.fixture

@@ -169,10 +169,10 @@ DRIVEN = (f"drive.acceleration={G}", "walls.top.velocity=0")
 
 
 @pytest.fixture
-def scene(tmp_path):
+def scene(loader):
     """Return a function that makes the channel of the case with overrides."""
-    (tmp_path / "case.yaml").write_text(CASE)
-    return lambda *overrides: scenes.of(load(tmp_path / "case.yaml", overrides))
+    config = loader(CASE)
+    return lambda *overrides: scenes.of(config(*overrides))
 
 
 def start_up(y, t, gap=1.0, viscosity=NU, bottom=0.0, top=U):

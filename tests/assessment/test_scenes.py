@@ -1,6 +1,6 @@
 """Every flow with a reference, in every file that tisph writes of it, and with few points: the error that it has.
 
-Nothing is simulated: the states are the exact solution and a disturbance, at the times of the samples of each config.
+The states are the exact solution and a disturbance, at the times of the samples of each config; a run's own come last.
 """
 
 import contextlib
@@ -13,9 +13,10 @@ import pytest
 from typer.testing import CliRunner
 
 import tisph
-from tisph import cli, scenes
+from tisph import cli, scenes, simulation
 from tisph.assessment import judge
 from tisph.config import load
+from tisph.config.loader import loaded
 from tisph.errors import ConfigError
 from tisph.exact.cavity import RegularCavity
 from tisph.measures.metrics import sample_metrics
@@ -226,3 +227,38 @@ def test_a_cavity_is_compared_with_its_steady_reference(tmp_path, monkeypatch, k
     else:
         assert numbers["centre_line_error"] > 0.02
         assert f"at most {numbers['centre_line_error']:.1e} U on the centre lines" in printed
+
+
+COMMON = {"fluid": {"density": 1.0, "kinematic_viscosity": 0.01}, "runtime": {"threads": 1}}
+COMMON |= {"discretisation": {"particles_across": 12}}
+FLOWS = {
+    "channel": {
+        "geometry": {"gap": 1.0, "length": 1.0},
+        "walls": {"top": {"velocity": 0.5}},
+        "initial": {"jitter": 0.2},
+        "time": {"end": 2.7, "samples": [1.8, 2.7]},
+    },
+    "taylor_green": {
+        "geometry": {"length": 1.0},
+        "initial": {"velocity": 1.0, "jitter": 0.2},
+        "time": {"end": 0.02, "samples": [0.01, 0.02]},
+    },
+}
+
+
+@pytest.mark.taichi
+@pytest.mark.parametrize("flow", FLOWS)
+def test_the_assessment_says_what_the_run_said(tmp_path, flow):
+    settings = loaded({"name": "case", "scene": flow, **COMMON, **FLOWS[flow]}, {})
+    simulation.run(settings, tmp_path, video=False)
+    own = json.loads((tmp_path / "summary.json").read_text())["samples"]
+    found = judge.judge(settings, [tmp_path / "samples.h5"], judge.Question()).samples
+    assert [each.numbers["t"] for each in found] == [sample["t"] for sample in own]
+    for each, sample in zip(found, own, strict=True):
+        assert each.aligned.notes == ()
+        for key in sample.keys() - {"t", "step"}:
+            expected = sample[key]
+            if isinstance(expected, float):
+                # the same functions read the same numbers: but for rounding in the spacing nothing may differ
+                expected = pytest.approx(expected, rel=1e-6, abs=1e-14)
+            assert each.numbers[key] == expected, key

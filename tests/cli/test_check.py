@@ -8,7 +8,6 @@ from pathlib import Path
 
 import estimates as study
 import pytest
-from fake_runs import FakeRuns, make_result
 from typer.testing import CliRunner
 
 from tisph import cli, scenes
@@ -18,9 +17,8 @@ from tisph.schemes._estimate import off_layers
 from tisph.schemes._forecast import ERROR_FACTORS, estimates
 from tisph.schemes._protocol import SampleEstimate
 from tisph.schemes.wcsph.equation_of_state import Tait, sound_speed
-from tisph.studies import processes
 from tisph.studies import stability as matrix
-from tisph.studies.stability import Cell, flow_of
+from tisph.studies.stability import flow_of
 from tisph.studies.store import config_text
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
@@ -376,38 +374,9 @@ def test_verdicts(one, found, verdict):
     assert comparison.verdict == verdict
 
 
-def test_the_table_names_the_worst_sample_and_fails_with_it(monkeypatch, tmp_path, capsys):
-    """A config with two samples, the second twice and then ten times as far off; cells that are refused are no runs."""
-    (tmp_path / "configs").mkdir()
-    text = "scene: channel\nfluid: {density: 1.0, kinematic_viscosity: 0.01}\ngeometry: {gap: 1.0, length: 2.0}\n"
-    (tmp_path / "configs" / "one.yaml").write_text(f"{text}walls: {{top: {{velocity: 0.5}}}}\ntime: {{end: 1.0}}\n")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(
-        matrix, "sub_matrices", lambda quick=False: [matrix.SubMatrix("", (Cell("taylor_green", scheme="implicit 2"),))]
-    )
-    monkeypatch.setattr(processes, "POLL_SECONDS", 0.0)
-
-    def outcome(factor):
-        def summary(config):
-            found = make_result(speed=1.0, t5=1e-3, t10=factor * 1e-3).summary
-            for place, each in enumerate(found["samples"]):
-                each.update(t=place + 1.0, rms=each["l2"], step=10 * (place + 1), resolved=True)
-            return {**found, "cost": {"wall_total_s": 12.3}}
-
-        return FakeRuns(summary)
-
-    samples = [forecast_of(), forecast_of(t=2.0, steps=20)]
-    for factor, passed in ((2.0, True), (10.0, False)):
-        monkeypatch.setattr(processes, "start", outcome(factor))
-        numbers = {**numbers_of(*samples), "steps": 20, "particles": 100}
-        monkeypatch.setattr(study, "forecast", lambda config: (numbers, []))  # noqa: B023
-        assert study.run(tmp_path / f"out{factor}", 1) is passed
-        output = capsys.readouterr().out
-        line = next(line for line in output.splitlines() if line.startswith("| configs-one "))
-        assert [cell.strip() for cell in line.split("|")[2:-1]] == [
-            "2", "1.0e-03", f"{factor:.0f}.0e-03" if factor < 10 else "1.0e-02", f"{factor:.2g}", "20 to 20", "20",
-            "unknown: yes", "3 to 20: 12", "pass" if passed else "FAIL",
-        ]  # fmt: skip
-        assert "1 refused" in output
-        kept = json.loads((tmp_path / f"out{factor}" / "estimates.json").read_text())
-        assert [each["step"] for each in kept["configs-one"]["samples"]] == [10, 20]
+def test_a_case_has_the_verdict_of_its_worst_sample():
+    case = study.Case("two", {}, numbers_of(forecast_of(), forecast_of(t=2.0, steps=20)))
+    for factor, verdict in ((2.0, "pass"), (10.0, "FAIL")):
+        samples = [sample(), {**sample(rms=factor * 1e-3, step=20), "t": 2.0}]
+        summary = {"status": "done", "samples": samples, "cost": {"wall_total_s": 12.3}}
+        assert study._line(case, summary)[0] == verdict

@@ -2,8 +2,6 @@
 
 import pytest
 
-from tisph.config import load
-
 OPEN = """\
 scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 0.05}
@@ -18,15 +16,8 @@ PULSATING = "ends.left={type: inlet, velocity: 1.0, amplitude: 0.5, angular_freq
 
 
 @pytest.fixture
-def loaded(tmp_path):
-    """Config of an open channel with overrides."""
-
-    def loaded_with(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(OPEN)
-        return load(path, overrides)
-
-    return loaded_with
+def loaded(loader):
+    return loader(OPEN)
 
 
 def inlet(keys):

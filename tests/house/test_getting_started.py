@@ -1,8 +1,10 @@
-"""The commands of docs/getting-started.md work in the order in which they stand there, and leave what it says."""
+"""Commands of docs/getting-started.md work in their order and leave what it says; acceptance-tests.md, too."""
 
 import json
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,8 @@ pytestmark = pytest.mark.taichi
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
+ACCEPTANCE = (ROOT / "docs" / "how-to" / "acceptance-tests.md").read_text(encoding="utf-8")
+(SUITE,) = re.findall(r"```yaml\n(.*?)```", ACCEPTANCE, re.DOTALL)
 SHORT = "time={end: 0.05, samples: [0.05]}"
 COARSE = ["discretisation.particles_across=15", "output.video.frames=2", "runtime.threads=1", SHORT]
 
@@ -57,3 +61,19 @@ def test_the_summary_has_the_numbers_that_the_page_reads(folder):
     named = re.findall(r"`(drag_\w+|superficial_velocity)`", PAGE)
     assert {*named} <= {*sample}
     assert len({*named}) == 5
+
+
+def test_the_suite_of_the_page_passes_and_names_the_row_that_fails(tmp_path):
+    """Beside the row of the page with the expected stress of the wall, 1.0, stands another one with 1.1."""
+    (row,) = (line for line in SUITE.splitlines() if "expected: 1.0," in line)
+    (tmp_path / "my_flow.yaml").write_text(
+        SUITE.replace(row, f"{row}\n{row.replace('expected: 1.0,', 'expected: 1.1,')}")
+    )
+    command = [sys.executable, "-m", "tisph", "verify", "my_flow.yaml", "--json", "--out", "kept"]
+    ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    printed = json.loads(ended.stdout)
+    assert (ended.returncode, printed["passed"], printed["failures"]) == (1, False, {})
+    assert len(printed["checks"]) == 10
+    assert [check["quantity"] for check in printed["checks"] if not check["passed"]] == [
+        "stress of the upper wall off 1.1"
+    ]

@@ -8,7 +8,7 @@ import kept_program
 import pytest
 from couette import couette_text
 
-from tisph import config, registry, runtime
+from tisph import registry, runtime
 from tisph.report import movie
 from tisph.runtime import ti
 from tisph.scenes.channel import Channel
@@ -17,7 +17,6 @@ from tisph.size_class import size_class
 
 pytestmark = pytest.mark.taichi
 
-CASE = couette_text(time={"end": 0.01})
 EXPLICIT, IMPLICIT = "scheme={type: wcsph}", "scheme={type: implicit}"
 ROOM = size_class(12 * 12)  # of all fields of particles and of points on the walls
 
@@ -27,15 +26,8 @@ BOTH = 2  # buffers, or walls
 
 
 @pytest.fixture
-def load(tmp_path):
-    """Return a function that loads the small case with ``key.path=value`` overrides."""
-
-    def load(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CASE)
-        return config.load(path, overrides)
-
-    return load
+def load(loader):
+    return loader(couette_text(time={"end": 0.01}))
 
 
 @pytest.fixture

@@ -127,15 +127,10 @@ NEAR = 0.2
 
 
 @pytest.fixture
-def make(tmp_path):
+def make(loader):
     """Return a function that gives config and scene of the case with overrides."""
-
-    def build(*overrides):
-        (tmp_path / "case.yaml").write_text(CASE)
-        config = load(tmp_path / "case.yaml", overrides)
-        return config, scenes.of(config)
-
-    return build
+    config = loader(CASE)
+    return lambda *overrides: (config(*overrides), scenes.of(config(*overrides)))
 
 
 def snapshot_of(config, scene, loads, contact):

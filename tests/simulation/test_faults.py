@@ -127,12 +127,11 @@ def test_a_repeatedly_killed_run_ends_bitwise_like_an_uninterrupted_one(start, f
 @pytest.mark.parametrize("kind", ["samples", "summary"])
 def test_a_visible_file_is_never_modified(tmp_path, kind):
     """So that no kill between two writes, of which few fall into a test, costs what was written before."""
-    path = tmp_path / kind
-    storage = Storage(path, "sample_{:03d}")
+    storage = Storage(tmp_path / "samples", "sample_{:03d}")
     storage.start([])
     write_summary(tmp_path / "summary", {"step": -1})
     for step in range(4):
-        with path.open("rb") as seen:
+        with (tmp_path / kind).open("rb") as seen:
             before = seen.read()
             storage.add(Snapshot(float(step), step, *np.ones((6, 100))))
             write_summary(tmp_path / "summary", {"step": step})

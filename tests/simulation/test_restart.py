@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from couette import couette_text
 
-from tisph import config, simulation
+from tisph import simulation
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.results import open_run
@@ -68,16 +68,14 @@ SLOW += ["viscoelastic", "scheduled wall"]  # of which all goes on from any step
 
 
 @pytest.fixture
-def case(tmp_path, monkeypatch):
+def case(loader, monkeypatch):
     """Return a function that loads the small case with ``key.path=value`` overrides.
 
     No run of it draws pictures, and its history has a tenth of the lines, which cost as much as the steps of some.
     """
     monkeypatch.setattr("tisph.simulation.recording.begin_pictures", lambda *_: [])
     monkeypatch.setattr("tisph.observers.history.RECORDS", 41)
-    path = tmp_path / "case.yaml"
-    path.write_text(CASE)
-    return lambda *overrides: config.load(path, overrides)
+    return loader(CASE)
 
 
 def datasets(path):

@@ -24,10 +24,8 @@ time: {end: 0.15, samples: [0.1, 0.15]}
 
 
 @pytest.fixture
-def config(tmp_path):
-    path = tmp_path / "case.yaml"
-    path.write_text(CASE)
-    return lambda *overrides: load(path, overrides)
+def config(loader):
+    return loader(CASE)
 
 
 def test_steps_of_coarser_runs_are_longer_by_the_ratio_of_spacings(config, tmp_path):

@@ -1,13 +1,9 @@
 """Whatever stands in a config file is a Config or one ConfigError, never another exception."""
 
-import io
 import random
 import re
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from ruamel.yaml import YAML
 
 from tisph.config import Config, load
 from tisph.errors import ConfigError
@@ -137,35 +133,3 @@ def test_damaged_bytes_of_a_good_file(outcome, seed):
         for _ in range(draw.randint(1, 5)):
             content[draw.randrange(len(content))] = draw.randrange(256)
         outcome(bytes(content[: draw.choice([len(content), draw.randrange(len(content))])]))
-
-
-KEYS = sorted({match for match in re.findall(r"\w+(?=:)", GOOD)})
-scalars = (
-    st.none()
-    | st.booleans()
-    | st.integers()
-    | st.floats()
-    | st.text(max_size=12)
-    | st.dates()
-    | st.sampled_from(["auto", "channel", "wcsph", "implicit", "tait", "oldroyd_b", "f32", "centre", 0.5, 25, 1e-3])
-)
-structures = st.recursive(
-    scalars,
-    lambda inner: (
-        st.lists(inner, max_size=4)
-        | st.dictionaries(st.sampled_from(KEYS) | st.text(max_size=8) | st.integers(), inner, max_size=8)
-    ),
-    max_leaves=40,
-)
-
-
-@settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
-@given(st.sampled_from(KEYS), structures)
-def test_one_random_structure_in_a_good_file(outcome, key, data):
-    whole = YAML(typ="safe", pure=True).load(GOOD)
-    sections = [section for section in [whole, *whole.values()] if isinstance(section, dict) and key in section]
-    for section in sections:
-        section[key] = data
-    stream = io.StringIO()
-    YAML(typ="safe", pure=True).dump(whole, stream)
-    outcome(stream.getvalue())

@@ -1,7 +1,6 @@
 """The command line: exit statuses, one message on standard error, and nothing written on bad input."""
 
 import json
-import re
 import shlex
 import sys
 import types
@@ -149,16 +148,6 @@ def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatc
     assert done.exit_code == 0
     assert done.stdout.endswith("\nerror 1e-5\n")
     assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, True, False)]
-
-
-def test_with_too_few_particles_for_coarser_runs_there_is_a_finer_one(case, simulation, monkeypatch):
-    monkeypatch.setattr("tisph.studies.error_estimate.Coarser.report", lambda self: " ".join(self.names))
-    done = tisph_command("run", "case.yaml", "--estimate-error", "--set", "discretisation.particles_across=10")
-    assert (done.exit_code, len(simulation.calls)) == (0, 1)
-    assert "needs a run with about 5 particles across" in done.stderr
-    told = "after the run a finer one, 15 across, tells the error instead: about [0-9]+ steps"
-    assert re.search(told, done.stderr)
-    assert done.stdout.endswith("across_15\n")
 
 
 def test_overwrite_removes_results_and_nothing_else(case, simulation):

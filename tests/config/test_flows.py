@@ -10,7 +10,7 @@ from vortices import GOOD
 
 from tisph import registry, schemes
 from tisph.config import load
-from tisph.config.schema import REALS, estimated_bytes
+from tisph.config.schema import estimated_bytes
 from tisph.errors import ConfigError
 from tisph.schemes.implicit.planar.problem import problem_of
 
@@ -64,13 +64,6 @@ def test_accuracy_sets_the_steps(tmp_path, accuracy, courant):
     assert f"Courant number {courant:g}" in reason
 
 
-def test_polymer_stress_needs_memory(case):
-    # three stresses of 8 bytes in four buffers, of a size that fields have
-    assert estimated_bytes(1e5, case(POLYMER), False) - estimated_bytes(1e5, case(), False) == pytest.approx(
-        1e5 * 3 * 4 * 8
-    )
-
-
 def test_what_a_flow_between_walls_needs_was_measured():
     # resident memory of 50 across less that of 12 across, whose fields have the smallest size there is: 169 MB for a
     # Newtonian liquid, 197 MB with Oldroyd-B; to a quarter, what Python and libraries take besides
@@ -78,12 +71,6 @@ def test_what_a_flow_between_walls_needs_was_measured():
         config = load(CONFIGS / f"{name}.yaml")
         grown = estimated_bytes(23562, config, True) - estimated_bytes(1357, config, True)
         assert 0.75 < grown / measured < 1.25
-
-
-def test_single_precision_needs_half_the_memory_for_numbers(case):
-    both = (case(f"discretisation={{particles_across: 50, precision: {one}}}") for one in ("f64", "f32"))
-    whole, half = (estimated_bytes(1e5, one, False) for one in both)
-    assert whole - half == pytest.approx(1e5 * 4 * REALS[False])
 
 
 RHEOLOGIES = {

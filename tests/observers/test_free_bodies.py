@@ -11,7 +11,6 @@ from report_scene import at_start
 from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
-from tisph.observers import history as histories
 from tisph.observers.history import BODY_FIELDS, Trajectories
 from tisph.observers.samples import Description
 from tisph.report.layout import arrange
@@ -136,24 +135,6 @@ def test_trajectories_have_bodies_with_names_and_units(tmp_path, make):
     with h5py.File(path) as file:
         (tmp_path / "again.yaml").write_text(file.attrs["config"])
     assert load(tmp_path / "again.yaml") == config
-
-
-def test_interrupted_trajectories_go_on_with_the_same_bytes(tmp_path, make, monkeypatch):
-    monkeypatch.setattr(histories, "RECORDS", 5)
-    config, scene, snapshot = make()
-    about, times = Description(config, scene), [0.0, 0.25, 0.5, 0.75, 1.0]
-    paths = [tmp_path / "whole.h5", tmp_path / "cut.h5"]
-    for path, seen in zip(paths, (times, times[:4]), strict=True):
-        trajectories = Trajectories(path, scene, 1.0, about=about)
-        for t in seen:
-            trajectories.observe(moved(scene, snapshot, t))
-        trajectories.flush()
-    again = Trajectories(paths[1], scene, 1.0, resumed_at=0.6, about=about)  # the last one came after the checkpoint
-    assert [again.schedule.take(t) for t in (0.75, 1.0)] == [[0.75], [1.0]]
-    for t in (0.75, 1.0):
-        again.observe(moved(scene, snapshot, t))
-    again.close()
-    assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
 # --- pictures

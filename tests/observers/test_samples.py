@@ -160,20 +160,3 @@ def test_the_history_of_older_versions_is_read(tmp_path):
     times, velocities = read_history(path)
     assert times.tolist() == [0.0, 1.5]
     assert velocities.tolist() == [[0.0, 0.0], [0.25, 0.5]]
-
-
-def test_an_interrupted_history_goes_on_where_it_was(tmp_path, run):
-    """Closed or not: a run that was killed closed nothing."""
-    channel, about = run()
-    texts = []
-    for interrupted in (True, False):
-        path = tmp_path / f"history{interrupted}.csv"
-        history = History(path, channel, channel.time_series(3), 20.0, about=about)
-        history.observe(make_snapshot(channel, 0.0))
-        if interrupted:
-            history.close()
-            history = History(path, channel, channel.time_series(3), 20.0, 0.0, about)
-        history.observe(make_snapshot(channel, 20.0))
-        history.close()
-        texts.append(path.read_text())
-    assert texts[0] == texts[1]

@@ -15,7 +15,6 @@ from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.outline import Outline
 from tisph.geometry.polygon import Polygon
-from tisph.report import style
 from tisph.report.field import Dye, FieldGrid
 from tisph.report.layout import arrange
 from tisph.report.overlays import Solids, Streamlines, Tracks, Vectors
@@ -168,18 +167,6 @@ def test_a_stream_function_is_zero_on_walls(tmp_path):
     assert streams.levels(stream) == pytest.approx((np.arange(10) + 0.5) * streams.step)
 
 
-def test_as_much_flows_between_any_two_lines_of_vortices():
-    wave = 2 * np.pi
-    found = lines_of(
-        lambda x, y: np.sin(wave * x) * np.cos(wave * y), lambda x, y: -np.cos(wave * x) * np.sin(wave * y)
-    )
-    psi = [np.sin(wave * line[:, 0]) * np.sin(wave * line[:, 1]) / wave for line in found]
-    assert max(np.ptp(each) for each in psi) < 0.01 / wave  # 0.003: means of the nearest, the disorder averaged away
-    levels = np.sort([each.mean() for each in psi])
-    assert np.abs(levels * wave - np.round(levels * wave / 0.2 - 0.5) * 0.2 - 0.1).max() < 0.02
-    assert {round(level * wave / 0.2 - 0.5) for level in levels} == set(range(-5, 5))
-
-
 @pytest.fixture(scope="module")
 def annulus():
     """The scene, and its particles in the steady flow around the inner cylinder."""
@@ -308,18 +295,3 @@ def test_marks_slide_with_a_straight_wall_and_the_wall_stays():
     marks = [np.flatnonzero(picture[2][row, :, 0] < 150) for picture in (still, slid, period)]
     assert np.array_equal(marks[0], marks[2])
     assert np.mean(marks[1]) - np.mean(marks[0]) == pytest.approx(0.08 * layout.pixels_per_length, abs=1.0)
-
-
-def test_frames_of_the_annulus_have_fluid_between_the_cylinders():
-    rings = make_annulus(centre=(3.0, -1.0), outer=WallMotion(-0.5), initial_state="developed")
-    snapshot = start_snapshot(rings, start_values(rings, SimpleNamespace(seed=0, jitter=0.2)), "f64")
-    for name in ("speed", "vorticity"):
-        renderer = Drawn(rings, make_video(640, 320, name), "annulus", 10.0)
-        box = renderer.render(snapshot)[renderer.layout.box.slices]
-        x, y = positions(renderer.layout)
-        radius = np.hypot(x - 3.0, y + 1.0)
-        solid = np.all(box == style.rgb(style.LIGHT.solid), axis=2)
-        wide = 3 / renderer.layout.pixels_per_length
-        assert not solid[(radius > 1.0 + wide) & (radius < 2.0 - wide)].any()
-        assert solid[radius > 2.2].all()  # the corners, beyond any mark
-        assert 0.9 < solid[radius < 1.0 - wide].mean() < 1.0  # all but the spoke

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from PIL import Image
-from report_scene import make_annulus, make_channel, make_polymer_channel, make_snapshot
+from report_scene import make_channel, make_polymer_channel, make_snapshot
 
 from tisph import scenes
 from tisph.config.loader import loaded
@@ -130,19 +130,6 @@ def test_legends_stay_short_and_overlap_no_other_text(tmp_path, figures):
         box = figure.legends[0].get_window_extent()
         assert 0 <= box.x0 < box.x1 <= PNG_SIZE[0]
         assert not any(box.overlaps(axes.get_tightbbox()) for axes in figure.axes)
-
-
-def test_a_torque_that_begins_at_infinity_leaves_room_for_the_rest(tmp_path, figures):
-    annulus, times = make_annulus(), np.linspace(0.0, 20.0, 41)
-    exact = np.stack(annulus.exact_torques(times), axis=1)
-    assert np.isinf(exact[0, 0])
-    torques = np.vstack([[np.nan, np.nan], exact[1:]])
-    history_figure(annulus, {}, times, torques).save(tmp_path / "history.png")
-    low, high = figures[0].axes[0].get_ylim()
-    resolved = exact[times >= (2 / 8) ** 2 / 0.02]  # a layer of two spacings
-    assert low < resolved.min() < resolved.max() < high
-    assert high - low == pytest.approx(1.2 * np.ptp(resolved))
-    history_figure(annulus, {}, times[:1], torques[:1]).save(tmp_path / "history.png")  # stopped at once
 
 
 BOX = {"fluid": {"density": 2.0, "kinematic_viscosity": 0.5}, "time": {"end": 1.0}}

@@ -117,30 +117,6 @@ def test_a_field_fills_the_fluid_with_the_colours_of_its_values():
     assert np.abs(box[fluid] - expected).max() < 8  # |u| = r: linear fits are off by some hundredths of a spacing
 
 
-VIDEO = make_video(960, 480, color_by="shear_stress")
-LARGEST = 4e-4  # of the exact stress over the run
-
-
-@pytest.fixture(scope="module")
-def renderer():
-    return Drawn(make_polymer_channel(), VIDEO, "test", END)
-
-
-def test_profile_panel_shows_the_stress_of_particles_and_the_exact_one(renderer):
-    channel, rect = renderer.scene, renderer.layout.profile
-    lowest, highest = renderer.quantity.profile_range
-    shift = 0.5 * LARGEST
-    snapshot = make_snapshot(channel, 5.0)
-    frame = renderer.render(replace(snapshot, stress_xy=snapshot.stress_xy + shift)).astype(float)
-    row = rect.top + int((1 - 3.5 / channel.rows) * rect.height)  # through the fourth row of particles
-    exact = channel.exact_polymer_stress(channel.gap * 3.5 / channel.rows, 5.0)[1]
-    for colour, stress in ((style.EXACT, exact), (style.PARTICLES, exact + shift)):
-        distance = np.abs(frame[row, rect.left + 1 : rect.right - 1] - style.rgb(colour)).max(axis=1)
-        columns = np.flatnonzero(distance < 40)  # the core of line or dot, not its soft rim
-        expected = (stress - lowest) / (highest - lowest) * rect.width
-        assert columns.mean() + 1.5 == pytest.approx(expected, abs=1.0)  # a pixel
-
-
 @pytest.mark.parametrize(
     ("flow", "expected"),
     [

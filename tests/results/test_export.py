@@ -81,27 +81,6 @@ def test_vtk_reads_every_step_with_its_time_and_values(run):
         assert texts[1] == run.config.resolved_yaml()
 
 
-@pytest.mark.parametrize("resumed_at", [None, 0.2, 1.0])
-def test_what_a_run_writes_as_it_goes_is_what_is_exported_then(run, tmp_path, resumed_at):
-    channel = Channel.from_config(run.config)
-    about = Description(run.config, channel)
-    path = tmp_path / "live.vtkhdf"
-    path.write_text("what an earlier run left")
-    samples = Samples(tmp_path / "samples.h5", channel, TIMES, resumed_at, about)
-    live = Vtk(path, samples, resumed_at, about)
-    missing = [t for t in TIMES if t > (resumed_at or 0.0)]
-    assert path.exists() == (len(missing) < len(TIMES))  # there is no file without a step
-    for t in missing:
-        assert live.schedule.take(t)
-        snapshot = make_snapshot(channel, t, slip=2e-3)
-        samples.observe(snapshot)
-        live.observe(snapshot)
-        assert content(path) == content(export(tisph.open(tmp_path), "vtkhdf"))
-    live.close()
-    assert content(path) == content(export(tisph.open(tmp_path), "vtkhdf"))
-    assert not list(tmp_path.glob("live.vtkhdf.*"))
-
-
 def content(path):
     """Every dataset and attribute of an HDF5 file by name."""
     found = {}

@@ -2,10 +2,8 @@
 
 import math
 
-import numpy as np
 import pytest
 from fake_runs import FakeRuns, make_result
-from PIL import Image
 
 from tisph import registry
 from tisph.studies import processes, store, walls
@@ -141,24 +139,3 @@ def test_the_smallest_geometric_mean_is_recommended():
 def test_treatments_that_stop_or_cost_too_much_are_not_recommended(row, chosen):
     assert best(row, make_row("b", 1e-2)) == chosen
     assert best(row) == ("a" if chosen == "a" else None)
-
-
-def test_treatments_and_arrangements_can_be_told_apart_in_the_picture(tmp_path):
-    """Each treatment has pixels of its own colour, also where runs stopped."""
-    rows = [
-        {
-            "case": {"flow": "couette", "treatment": name, "arrangement": arrangement},
-            "errors": dict(zip((25, 50, 100), errors, strict=True)),
-            "t_star": [0.027],
-            "measure": "l2",
-        }
-        for place, name in enumerate(("a", "b", "c", "d", "e"))
-        for arrangement, errors in (
-            ("lattice", (0.1 * 2**place, 0.02 * 2**place, 0.005 * 2**place)),
-            ("jitter 0.2", (0.09 * 2**place, np.nan, np.nan)),
-        )
-    ]
-    walls.plot_walls(tmp_path / "picture.png", rows, [{**LAPLACIAN, "treatment": "a"}])
-    pixels = np.asarray(Image.open(tmp_path / "picture.png").convert("RGB")).reshape(-1, 3)
-    for colour in ((0xD5, 0x5E, 0x00), (0x00, 0x9E, 0x73), (0x56, 0xB4, 0xE9), (0xCC, 0x79, 0xA7)):
-        assert np.sum(np.all(pixels == colour, axis=1)) > 100

@@ -35,6 +35,10 @@ CLEAR, APART, MOST_SECTIONS = 6.0, 8.0, 12
 SETTLED = 1e-3
 """Largest pressure over the length of the channel by a residual, over density times reference velocity squared."""
 
+UNCHANGED = 0.1
+"""Change of the residuals by a correction, over their size, below which the linear systems are not solved accurately
+enough to see it."""
+
 LEAST_REYNOLDS = 0.3
 """Least Reynolds number of a spacing, U dx/nu, at which flow rates are controlled. In viscous flow pressures answer the
 viscous drop, beside which their noise is small, and corrections do not converge: with 0.04 there are 19 in a step. With
@@ -125,12 +129,14 @@ class FlowRateControl(Coupling):
             for values in (view(self.slopes), view(equations.velocity.x)[:, 0])
         )
         residual = slopes - slope - (inflow[0] - rates) / self.renewal
-        if self.residual is not None:
-            change = 1.0 - residual @ self.residual / (self.residual @ self.residual)
-            self.response = float(np.clip(self.response * change, 0.5, 1.5))
         pressure = np.abs(residual).max() * self.length / area
         if not pressure > SETTLED * self.problem.reference_velocity**2:
             return True
+        if self.residual is not None:
+            change = 1.0 - residual @ self.residual / (self.residual @ self.residual)
+            if abs(change) < UNCHANGED:
+                return True
+            self.response = float(np.clip(self.response * change, 0.5, 1.5))
         self.residual = residual
         self.sources[:-1] -= np.diff(residual, prepend=0.0) / self.area[:-1] / self.response
         equations.sources = self.sources[self.slab]

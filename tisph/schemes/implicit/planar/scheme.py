@@ -119,7 +119,7 @@ class PlanarScheme(ControlledScheme):
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
         parts = self.grid, self.boundary, self.extra_stress
-        residuals = limits.residuals(self.tolerance, rounding)
+        residuals = limits.residuals(self.tolerance, rounding, bool(problem.open_ends))
         self.equations: Equations = (
             Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
             if coupled

@@ -356,7 +356,7 @@ def _driven(config: Config) -> Iterator[Problem]:
         if which and config.initial.state != "rest":
             yield "initial.state", f"must be rest where {text} (walls.{which[0]})"
     for which, text in ((sides, "a wall is stress-controlled"), (slipping, "the fluid slips")):
-        if which and config.walls.treatment.type != "consistent_image":
+        if which and not config.walls.treatment.obeys_momentum:
             text = f"must be consistent_image where {text} (walls.{which[0]})"
             yield "walls.treatment.type", f"{text}: only its images take a stress"
 
@@ -395,7 +395,7 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
     for side, wall in sides.items():
         if wall.speed_before is not None:
             yield f"walls.{side}.velocity_before", f"is not allowed {where}: the run starts from rest"
-    if config.walls.treatment.type != "consistent_image":
+    if config.walls.treatment != WallTreatment.default():
         yield "walls.treatment.type", f"must be left out: {where} walls have boundary points and no images"
     if config.probes != type(config.probes)():
         yield "probes", f"must be left out: {where} forces are recorded, and no velocities at probes"

@@ -101,7 +101,7 @@ OPEN_COURANT = 1.0
 def problems(config: Config) -> Iterator[Problem]:
     """Yield dotted key and text of everything in a config that this scheme cannot serve."""
     yield from unsupported(config, "implicit")
-    if config.scheme.type == "implicit":
+    if isinstance(config.scheme, Parameters):
         yield from unused(config, "implicit")
     if not config.parallel:
         yield from _problems_in_two_dimensions(config)
@@ -121,9 +121,11 @@ def _problems_in_two_dimensions(config: Config) -> Iterator[Problem]:
     if "walls" in config.members:
         text = f"implicit has no {config.walls.treatment.type} walls in two-dimensional flow"
         yield "walls.treatment.type", f"{text}, but closes its operators itself: leave treatment out, or take wcsph"
-    if config.scheme.type == "implicit" and config.scheme.operators.order != 4:
+    if not isinstance(config.scheme, Parameters):
+        return
+    if config.scheme.operators.order != 4:
         yield "scheme.operators.order", "must be 4 in two-dimensional flow"
-    if config.scheme.type == "implicit" and config.flows_through and config.scheme.largest_courant > OPEN_COURANT:
+    if config.flows_through and config.scheme.largest_courant > OPEN_COURANT:
         yield "scheme.largest_courant", f"must be at most {OPEN_COURANT:g} in flow through open ends"
 
 

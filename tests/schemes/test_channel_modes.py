@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from tisph.numerics.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._step_control import SAFETY
-from tisph.schemes.implicit.channel.step import B_HAT, GAMMA, A, B
+from tisph.schemes.implicit.channel.stages import B_HAT, GAMMA, A, B
 
 pytestmark = pytest.mark.taichi
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tisph.geometry.motion import WallMotion
-from tisph.schemes.implicit.channel import step
-from tisph.schemes.implicit.channel.step import GAMMA
+from tisph.schemes.implicit.channel import stages
+from tisph.schemes.implicit.channel.stages import GAMMA
 from tisph.schemes.implicit.channel.walls import CoupledWall, PrescribedWall
 
-A, B, C, B_HAT = (np.array(numbers) for numbers in (step.A, step.B, step.C, step.B_HAT))
+A, B, C, B_HAT = (np.array(numbers) for numbers in (stages.A, stages.B, stages.C, stages.B_HAT))
 
 ROUNDING = 1e-14  # fractions of 13 digits each carry about 25; what is left is the rounding of sums of four terms
 
@@ -78,7 +78,7 @@ def test_no_oscillation_or_decay_grows():
 
 
 def test_a_stage_is_predicted_from_the_polynomial_of_the_rates_before_it():
-    weights = step.stage_predictors()
+    weights = stages.stage_predictors()
     assert not np.triu(weights).any()
     for stage in range(1, 4):
         for power in range(stage):

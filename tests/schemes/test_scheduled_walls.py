@@ -9,7 +9,7 @@ from oracles.plane import Plane
 
 from tisph import registry, runtime
 from tisph.measures.channel import wall_shear
-from tisph.schemes.implicit.channel.step import FlowState
+from tisph.schemes.implicit.channel.stages import FlowState
 from tisph.schemes.implicit.channel.stress_controlled import MasslessWall
 from tisph.schemes.implicit.channel.walls import PrescribedWall
 from tisph.simulation.state import start_values

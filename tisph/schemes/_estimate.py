@@ -25,16 +25,10 @@ from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import SampleEstimate, SchemeEstimates
 from tisph.schemes._step_control import StepControl, steps_between
-from tisph.schemes.implicit.channel.step import (
-    EMBEDDED_ORDER,
-    SOLVER_TOLERANCE,
-    WORST,
-    ClosedOperators,
-    FlowState,
-    ImplicitStep,
-)
+from tisph.schemes.implicit.channel.stages import EMBEDDED_ORDER, ClosedOperators, FlowState, Series
+from tisph.schemes.implicit.channel.step import SOLVER_TOLERANCE, WORST, ImplicitStep
 from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
-from tisph.schemes.implicit.channel.walls import Series, stress_excess
+from tisph.schemes.implicit.channel.walls import stress_excess
 from tisph.schemes.wcsph._time_step import limits_of, sound_speed_of
 
 EXPLICIT_COST = 150e-9

@@ -35,8 +35,8 @@ from tisph.numerics.least_squares import FEW, LeastSquaresOperators
 from tisph.numerics.point_cloud import LANES, PointCloud
 from tisph.runtime import holding, real, scalar, ti, view
 from tisph.scenes._channel import Channel
-from tisph.schemes.implicit.channel.step import ClosedOperators
-from tisph.schemes.implicit.channel.walls import Series, stress_excess
+from tisph.schemes.implicit.channel.stages import ClosedOperators, Series
+from tisph.schemes.implicit.channel.walls import stress_excess
 
 UNKNOWNS = 6
 """Terms of the fit at a mirror point."""

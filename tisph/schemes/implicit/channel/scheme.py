@@ -31,17 +31,8 @@ from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import momentum_terms
 from tisph.schemes._step_control import StepControl
 from tisph.schemes.implicit.channel.operators import ClosedParticleOperators, FixedGhosts, Ghosts, MirrorGhosts
-from tisph.schemes.implicit.channel.step import (
-    EMBEDDED_ORDER,
-    SOLVER_TOLERANCE,
-    WORST,
-    B,
-    C,
-    FlowState,
-    ImplicitStep,
-    NoExtraStress,
-    weighted,
-)
+from tisph.schemes.implicit.channel.stages import EMBEDDED_ORDER, B, C, FlowState, weighted
+from tisph.schemes.implicit.channel.step import SOLVER_TOLERANCE, WORST, ImplicitStep, NoExtraStress
 from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
 from tisph.schemes.implicit.channel.walls import WallPair
 from tisph.snapshot import STRESSES, Snapshot

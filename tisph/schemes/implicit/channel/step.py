@@ -13,43 +13,28 @@ steps, as Crank-Nicolson does.
 """
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
 from tisph.config.schema import Config
+from tisph.scenes._channel import Channel
 from tisph.schemes._step_control import StepControl
 from tisph.schemes.implicit.channel.models import StressModel
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from tisph.scenes._channel import Channel
-    from tisph.schemes.implicit.channel.walls import Series, WallPair
-
-GAMMA = 1767732205903 / 4055673282236
-
-A = (
-    (0.0, 0.0, 0.0, 0.0),
-    (GAMMA, GAMMA, 0.0, 0.0),
-    (2746238789719 / 10658868560708, -640167445237 / 6845629431997, GAMMA, 0.0),
-    (1471266399579 / 7840856788654, -4482444167858 / 7529755066697, 11266239266428 / 11593286722821, GAMMA),
+from tisph.schemes.implicit.channel.stages import (
+    DEFECT,
+    GAMMA,
+    B,
+    C,
+    ClosedOperators,
+    FlowState,
+    Solution,
+    explicit_part,
+    stage_predictors,
+    weighted,
 )
-B = A[3]
-C = (0.0, 2.0 * GAMMA, 0.6, 1.0)
-
-B_HAT = (
-    2756255671327 / 12835298489170,
-    -10771552573575 / 22201958757719,
-    9247589265047 / 10645013368117,
-    2193209047091 / 5459859503100,
-)
-"""Weights of the second-order result; the difference from ``B`` estimates the error."""
-
-EMBEDDED_ORDER = 2
-
-DEFECT = tuple(b - b_hat for b, b_hat in zip(B, B_HAT, strict=True))
+from tisph.schemes.implicit.channel.walls import WallPair
 
 SOLVER_TOLERANCE = 1e-3
 """Residual of a stage, over the tolerance of a step."""
@@ -66,12 +51,6 @@ ROUND_OFF = 1e-11
 ERROR_RESIDUAL = 1e-2
 """Residual of the linear system (5) that filters the estimated error, over its right side."""
 
-FIT_TERMS = 3
-"""Terms of the polynomial in the wall distance that describes the fluid near a wall."""
-
-EVEN_POWERS = (0, 2, 4)
-"""Powers of the wall distance in the fit for a value at a stress-controlled wall."""
-
 TOLERANCE = 3e-7
 """Tolerance of a step where the config leaves it open."""
 
@@ -79,7 +58,7 @@ FIRST_STEP = 0.25
 """First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it."""
 
 
-def step_control(config: Config, channel: "Channel", targets: "Sequence[float]") -> StepControl:
+def step_control(config: Config, channel: Channel, targets: Sequence[float]) -> StepControl:
     """Return the ``StepControl`` of a run: it ends steps on the times ``targets`` and on jumps of the walls.
 
     Each step is limited by the strain between neighbouring layers, or with ``time.cfl`` it has a fixed length.
@@ -100,24 +79,6 @@ def step_control(config: Config, channel: "Channel", targets: "Sequence[float]")
     return control
 
 
-@dataclass
-class FlowState:
-    """The flow in one stage, of n points.
-
-    ``velocity`` (n,) and ``state`` (components, n), the states C of the extra stress; ``velocity_rate`` and
-    ``state_rate``: their time derivatives. ``shear_rate`` (n,): D u; ``stress`` (n,): S_xy per unit density;
-    ``tangent`` (n,): dS_xy/d(D u). The last three are None without an extra stress, for which ``state`` is (0, n).
-    """
-
-    velocity: np.ndarray
-    state: np.ndarray
-    shear_rate: Any = None
-    stress: Any = None
-    velocity_rate: Any = None
-    state_rate: Any = None
-    tangent: Any = None
-
-
 class Points(Protocol):
     """The points whose velocities a step advances: particles, or layers of the start lattice."""
 
@@ -128,82 +89,10 @@ class Points(Protocol):
         """
 
 
-class ClosedOperators:
-    """Base of the operators A and D on n points between two walls, closed by images beyond them; arrays are (n,).
-
-    Images have a sign times the value of their source plus a boundary value. The latter is a power series in the
-    distance from the wall, with three coefficients for each wall (``series``, (2, 3), see ``PrescribedWall``).
-    """
-
-    def laplacian(self, values: np.ndarray) -> np.ndarray:
-        """Return A of velocities, without the boundary values of their images."""
-        return self.derivative("laplacian", values, -1.0)
-
-    def gradient(self, values: np.ndarray, parity: float) -> np.ndarray:
-        """Return D of ``values`` whose images have ``parity`` times the value of their source."""
-        return self.derivative("d_dy", values, parity)
-
-    def boundary_laplacian(self, series: "Sequence[Series]") -> np.ndarray:
-        """Return the part of A u that the boundary values of the images contribute."""
-        return self.boundary("laplacian", series)
-
-    def boundary_gradient(self, series: "Sequence[Series]") -> np.ndarray:
-        """Return the part of D u that the boundary values of the images contribute."""
-        return self.boundary("d_dy", series)
-
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the indices of points near the wall ``side``, their distances from it, and their weights.
-
-        The weighted sum of values is the value at the wall of the even polynomial that fits them best.
-        """
-        points, distance, radius = self.near_wall(side)
-        near = np.flatnonzero(distance < radius)
-        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
-        return points[near], distance[near], weights
-
-    def wall_values(self, values: np.ndarray) -> np.ndarray:
-        """Return ``values`` (quantities, n) extrapolated to each wall (2, quantities).
-
-        They follow from the least-squares fit of a polynomial in the wall distance to the points near a wall.
-        """
-        found = []
-        for side in range(2):
-            points, distance, radius = self.near_wall(side)
-            near = distance < radius
-            powers = (distance[near, None] / radius) ** np.arange(FIT_TERMS)
-            found.append(np.linalg.lstsq(powers, values[:, points].T[near], rcond=None)[0][0])
-        return np.array(found)
-
-    def near_wall(self, side: int) -> tuple[np.ndarray, np.ndarray, float]:
-        """Return the indices of points that may be near a wall, their distances from it, and the radius of fits."""
-        raise NotImplementedError
-
-    def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
-        """Return an operator, ``laplacian`` or ``d_dy``, of ``values``; see ``gradient``."""
-        raise NotImplementedError
-
-    def boundary(self, operator: str, series: "Sequence[Series]") -> np.ndarray:
-        """Return the part of an operator that the boundary values of the images contribute."""
-        raise NotImplementedError
-
-    def boundary_stress(self, side: int, slope: Any, third: Any) -> np.ndarray:
-        """Return the part of D S that the images beyond the wall ``side`` contribute, see ``stress_excess``."""
-        raise NotImplementedError
-
-    def solve(
-        self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
-    ) -> np.ndarray | None:
-        """Solve (1 - g nu_s A - g D T D) x = ``right`` with g = ``gamma_dt`` and T = ``tangent`` (None: 0).
-
-        Return x, from ``guess`` on solved to a residual of ``tolerance`` over |right|; None where that fails.
-        """
-        raise NotImplementedError
-
-
 class ImplicitStep:
     """Advances the flow of ``points`` between the ``walls`` of a channel, with the derivatives of ``operators``."""
 
-    def __init__(self, points: Points, operators: ClosedOperators, walls: "WallPair", channel: "Channel") -> None:
+    def __init__(self, points: Points, operators: ClosedOperators, walls: WallPair, channel: Channel) -> None:
         self.points, self.operators, self.walls = points, operators, walls
         self.viscosity = channel.solvent_viscosity
         self.extra_stress: NoExtraStress = NoExtraStress(operators, walls, channel)
@@ -271,14 +160,10 @@ class ImplicitStep:
         return flows, extra.filtered_error(flows[-1], gamma_dt, defect, state_defect)
 
 
-Solution = tuple[np.ndarray, Any, Any]
-"""Velocity, shear rate and stress (n,) of a stage, linearised; the latter two None without an extra stress."""
-
-
 class NoExtraStress:
     """The extra stress of a Newtonian fluid: none. ``ExtraStress`` has the same methods."""
 
-    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel") -> None:
+    def __init__(self, operators: ClosedOperators, walls: WallPair, channel: Channel) -> None:
         self.operators, self.walls, self.channel = operators, walls, channel
         self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration
         self.steady_source: np.ndarray | None = None
@@ -353,7 +238,7 @@ class ExtraStress(NoExtraStress):
     linear in D u, as for Oldroyd-B fluids, the first iteration solves a stage.
     """
 
-    def __init__(self, operators: ClosedOperators, walls: "WallPair", channel: "Channel", model: StressModel) -> None:
+    def __init__(self, operators: ClosedOperators, walls: WallPair, channel: Channel, model: StressModel) -> None:
         super().__init__(operators, walls, channel)
         self.model = model
         self.speed, self.stress_of_speed = channel.reference_velocity, channel.kinematic_viscosity / channel.gap
@@ -444,32 +329,6 @@ class ExtraStress(NoExtraStress):
 def norm(values: np.ndarray) -> float:
     """Return the root mean square of ``values`` (n,)."""
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def weighted(weights: "Sequence[float] | np.ndarray", values: "Sequence[Any]") -> Any:
-    """Return the sum of ``values``, numbers or arrays, times as many of the ``weights``."""
-    total = weights[0] * values[0]
-    for weight, value in zip(weights[1:], values[1:], strict=False):
-        total = total + weight * value
-    return total
-
-
-def explicit_part(start: Any, stage: int, dt: float, rates: "Sequence[Any]") -> Any:
-    """Return the explicit part (4a) of a ``stage``, start + dt sum_{j<i} a_ij k_j, with the ``rates`` k_j so far."""
-    return start + dt * weighted(A[stage], rates) if stage else start
-
-
-def stage_predictors() -> np.ndarray:
-    """Return the weights (4, 4) that integrate the polynomial through the rates before a stage up to its time.
-
-    Row i predicts u_i = u^n + dt sum_{j<i} weights_ij k_j.
-    """
-    weights = np.zeros((4, 4))
-    for stage in range(1, 4):
-        powers = np.arange(stage)
-        nodes = np.array(C[:stage])[:, None] ** powers
-        weights[stage, :stage] = np.linalg.solve(nodes.T, C[stage] ** (powers + 1) / (powers + 1))
-    return weights
 
 
 PREDICTORS = stage_predictors()

@@ -30,16 +30,8 @@ from tisph.errors import DivergedError
 from tisph.geometry.motion import StressControlledWall
 from tisph.scenes._channel import Channel
 from tisph.schemes.implicit.channel.models import StressModel, model_of
-from tisph.schemes.implicit.channel.step import (
-    DEFECT,
-    GAMMA,
-    B,
-    ClosedOperators,
-    ExtraStress,
-    FlowState,
-    explicit_part,
-    weighted,
-)
+from tisph.schemes.implicit.channel.stages import DEFECT, GAMMA, B, ClosedOperators, FlowState, explicit_part, weighted
+from tisph.schemes.implicit.channel.step import ExtraStress
 from tisph.schemes.implicit.channel.walls import (
     OBEY_MOMENTUM,
     CoupledWall,

@@ -40,16 +40,22 @@ import numpy as np
 
 from tisph.scenes._channel import Channel
 from tisph.schemes.implicit.channel.models import FluidModel, StressModel
-from tisph.schemes.implicit.channel.step import GAMMA, B, C, ClosedOperators, FlowState, Solution, explicit_part
+from tisph.schemes.implicit.channel.stages import (
+    GAMMA,
+    B,
+    C,
+    ClosedOperators,
+    FlowState,
+    Series,
+    Solution,
+    explicit_part,
+)
 
 OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
 """Wall treatments of the implicit scheme, and whether their series follow from the momentum equation."""
 
 NEAR, TERMS = 0.1, 8
 """The derivatives of C at a wall when a run starts: width of the layer over the gap, terms of the polynomial in it."""
-
-Series = Sequence[float]
-"""c0, c1, c2 of the boundary value c0 + c1 d^2 + c2 d^4 of an image; with an even reflection times d."""
 
 
 class WallPair:

@@ -6,13 +6,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from tisph.config.base import Model
 from tisph.geometry.body import Body
 from tisph.numerics.domain import ChannelDomain, PeriodicDomain
 from tisph.runtime import real, ti, view
 from tisph.scenes._channel import Channel
 from tisph.schemes.wcsph._fluid import Fluid
 from tisph.schemes.wcsph.verlet import VerletLists
-from tisph.schemes.wcsph.walls import WallParameters
 
 
 @ti.data_oriented
@@ -33,7 +33,7 @@ class WallTreatment:
     track: Any
     """Points of the walls (``_wall_stress.WallStress``), where ``tracks_walls``."""
 
-    def __init__(self, lists: VerletLists, kernel: Any, fluid: Fluid, parameters: WallParameters | None):
+    def __init__(self, lists: VerletLists, kernel: Any, fluid: Fluid, parameters: Model | None):
         self.particles = lists.particles
         self.cells = lists.cells
         self.domain = lists.domain
@@ -110,7 +110,7 @@ class SolidWalls(WallTreatment):
         lists: VerletLists,
         kernel: Any,
         fluid: Fluid,
-        parameters: WallParameters | None,
+        parameters: Model | None,
         bodies: Sequence[Body],
         origin: np.ndarray,
     ):

@@ -34,6 +34,7 @@ class PolymerLaw(Protocol):
     components: int
     relaxation_time: float
     polymer_viscosity: float
+    modulus: float
 
     def stress(self, c: Any) -> tuple:
         """Return the components of S."""

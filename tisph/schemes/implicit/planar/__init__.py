@@ -6,11 +6,11 @@ The problem that the scheme solves is a box, a fluid, scales, and the walls in i
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import OpenEnd
+from tisph.config.schema import Config
+from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import SampleEstimate, Scheme, SchemeEstimates
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR, SAFETY
 from tisph.schemes.implicit.planar.problem import problem_of
@@ -57,14 +57,14 @@ JUDGED_BY = "divergence", "steepest stress"
 """Numbers of a run that decide whether a sample is resolved (``measures/resolution.py``); the second with polymer."""
 
 
-def build(config: Any, scene: Any, targets: Sequence[float], serial: bool) -> Scheme:
+def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:
     """Return the ``PlanarScheme`` of a scene."""
     from tisph.schemes.implicit.planar.scheme import PlanarScheme  # imports Taichi
 
     return PlanarScheme(problem_of(scene), targets, serial, *_steps(config))
 
 
-def _steps(config: Any) -> tuple[float | None, float]:
+def _steps(config: Config) -> tuple[float | None, float]:
     """Tolerance of a step, None where the Courant number alone sets it, and the largest Courant number."""
     if config.time.cfl != "auto":
         return None, config.time.cfl
@@ -74,7 +74,7 @@ def _steps(config: Any) -> tuple[float | None, float]:
     return tolerance, config.scheme.largest_courant
 
 
-def estimates(config: Any, scene: Any) -> SchemeEstimates:
+def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
     slow = is_slow(scene, courant)
@@ -100,7 +100,7 @@ def estimates(config: Any, scene: Any) -> SchemeEstimates:
     }
 
 
-def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, courant: float) -> list[int]:
+def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None, courant: float) -> list[int]:
     """Return the steps up to each of the times ``ends``.
 
     With a ``tolerance`` e the backward differences allow steps of 0.9 (22 e / 3)^(1/4) times the time scale of the flow
@@ -109,7 +109,7 @@ def _guessed_steps(scene: Any, ends: Sequence[float], tolerance: float | None, c
     axis move no particle.
     """
     turns = scene.axisymmetric and not (scene.acceleration or scene.kept_mean_velocity or scene.has_free_bodies)
-    open_ended = any(isinstance(body, OpenEnd) for body in scene.bodies)
+    open_ended = scene.flows_through
     turns = turns and not (open_ended or any(body.motion.x.largest_speed for body in scene.bodies))
     filled = "u" in scene.fields or open_ended or any(body.in_fluid for body in scene.bodies)
     vortices = not scene.bodies or (not filled and (turns or not any(scene.periodic)))

@@ -11,6 +11,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.ends import OpenEnd
 from tisph.geometry.region import Box, box_around
 from tisph.measures.fits import section_weights
+from tisph.measures.flow import FlowInBox
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
@@ -146,7 +147,7 @@ def _factors(radius: np.ndarray) -> np.ndarray:
     return np.stack([np.ones_like(radius), radius, radius], axis=1)
 
 
-def problem_of(scene: Any) -> Problem:
+def problem_of(scene: FlowInBox) -> Problem:
     """Return the box and the fluid of a scene, and its walls."""
     box, walls = Box(columns=scene.columns, rows=scene.rows, spacing=scene.spacing), None
     if scene.bodies:

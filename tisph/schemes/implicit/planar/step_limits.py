@@ -2,10 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TypeAlias
 
+from tisph.measures.flow import FlowInBox
 from tisph.schemes._step_control import SHARE, StepControl
 from tisph.schemes.implicit.planar.problem import Problem
+
+FlowScales: TypeAlias = FlowInBox | Problem
+"""A flow, or the problem made of it: both have scales, fluid and bodies."""
 
 TOLERANCE = 2e-6
 """Error of a step over the velocity."""
@@ -72,13 +76,13 @@ LEADING = 11 / 6
 """Factor gamma_0 of the newest value in backward differences of third order over steps of one length."""
 
 
-def courant_speed(fastest: float, case: Any) -> float:
+def courant_speed(fastest: float, case: FlowScales) -> float:
     """Return the velocity that the Courant number refers to where the ``fastest`` one of a flow or scene is that."""
     part = SMALLEST_SCALE if case.axisymmetric else SMALLEST_SPEED  # a velocity around the axis moves no particle
     return max(fastest, part * case.reference_velocity)
 
 
-def error_speed(fastest: float, case: Any) -> float:
+def error_speed(fastest: float, case: FlowScales) -> float:
     """Return the velocity that errors of steps are divided by."""
     return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
@@ -96,7 +100,7 @@ def residuals(tolerance: float, least: float, open_ended: bool) -> list[float]:
     return [max(min(pressure, RESIDUAL_WITH_ENDS), least) if open_ended else pressure, velocity]
 
 
-def step_control(case: Any, targets: Sequence[float], tolerance: float | None, courant: float) -> StepControl:
+def step_control(case: FlowScales, targets: Sequence[float], tolerance: float | None, courant: float) -> StepControl:
     """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
 
     ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
@@ -112,7 +116,7 @@ def step_control(case: Any, targets: Sequence[float], tolerance: float | None, c
     return control
 
 
-def is_slow(case: Any, courant: float) -> bool:
+def is_slow(case: FlowScales, courant: float) -> bool:
     """Return whether velocity and pressure are solved for together, for steps of this Courant number.
 
     So they are between walls where that step is ``LONGER`` than the splitting's longest one, and where fluid slips.
@@ -122,7 +126,7 @@ def is_slow(case: Any, courant: float) -> bool:
     return not case.inertia or slips or (bool(case.bodies) and longest > LONGER * viscous_step(case))
 
 
-def first_step(longest: float, case: Any) -> float:
+def first_step(longest: float, case: FlowScales) -> float:
     """Return the first step, or the first one after a jump, where the ``longest`` one is known.
 
     The layer beside a wall that starts to move is thin at first, whatever is allowed later.
@@ -130,7 +134,7 @@ def first_step(longest: float, case: Any) -> float:
     return FIRST * (min(longest, viscous_step(case)) if case.inertia else longest)
 
 
-def viscous_step(case: Any) -> float:
+def viscous_step(case: FlowScales) -> float:
     """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
 
     Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over

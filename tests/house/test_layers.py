@@ -142,6 +142,19 @@ def test_nothing_imports_one_another_in_a_circle(of):
     assert circle(of(file_graph())) == []
 
 
+def test_scenes_and_configs_are_not_any():
+    """So that mypy knows what a function asks of a scene, a config or a flow."""
+    names = {"scene", "config", "channel", "problem", "case"}
+    functions = [(path, node) for path in FILES for node in nodes(path) if isinstance(node, ast.FunctionDef)]
+    untyped = [
+        f"{path}:{node.lineno}"
+        for path, node in functions
+        for one in (*node.args.args, *node.args.kwonlyargs)
+        if one.arg in names and (one.annotation is None or ast.unparse(one.annotation) == "Any")
+    ]
+    assert untyped == []
+
+
 def test_nothing_inside_uses_the_public_names():
     """``tisph/__init__.py`` imports what they stand for on first use, without an import statement."""
     assert [module for module, imported in file_graph().items() if "tisph" in imported] == []

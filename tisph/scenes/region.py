@@ -308,7 +308,7 @@ def _coordinate_problems(config: Config) -> Iterator[Problem]:
     if config.drive.gravity:
         yield "drive.gravity", "moves free bodies alone, in planar flow"
     if config.walls.bottom not in (None, Wall()) and "bottom" not in walls:
-        yield "walls.bottom", "is the axis where geometry.inner_radius is 0, and no wall"
+        yield "walls.bottom", "must be left out: it is the axis where geometry.inner_radius is 0"
     for index, each in enumerate(config.turning):
         if not any(map(each.turns, names)):
             yield f"turning.{index}.wall", f"must be one of {', '.join(names)}{nearest(each.wall, names)}"

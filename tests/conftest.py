@@ -124,6 +124,23 @@ def case(loader):
 
 
 @pytest.fixture
+def load_flow(loader):
+    """Return a function that loads the config of flows.yaml with a name, with ``key.path=value`` overrides."""
+    from flows import flow_text
+
+    return lambda name, *overrides: loader(flow_text(name))(*overrides)
+
+
+@pytest.fixture
+def start_flow(tmp_path):
+    """Return a function that gives scene and scheme at the start of such a config, as ``case_from_text.started``."""
+    from case_from_text import started
+    from flows import flow_text
+
+    return lambda name, *overrides, **how: started(tmp_path, flow_text(name), overrides, **how)
+
+
+@pytest.fixture
 def fake_process(monkeypatch):
     """Stands in for `tisph run`: leaves a summary with an l2 of the test's choice, or stops with an error."""
     from fake_runs import FakeRuns, make_result

@@ -13,12 +13,20 @@ def read(folder, text, changes):
     return settings, scenes.of(settings)
 
 
-def started(folder, text, changes, targets=None):
+def to_end(scheme):
+    """Step a scheme to its end; return the last snapshot."""
+    while not scheme.finished:
+        scheme.advance()
+    return scheme.snapshot()
+
+
+def started(folder, text, changes, targets=None, begin=True):
     """Return scene and scheme at the start of the run that ``read`` reads.
 
-    The scheme ends on ``targets``, or on the end of the run.
+    The scheme ends on ``targets``, or on the end of the run. With ``begin=False`` there are no particles in it yet.
     """
     settings, scene = read(folder, text, changes)
     scheme = schemes.build(settings, scene, targets or [settings.time.end], serial=True)
-    scheme.start(*start_values(scene, settings.initial))
+    if begin:
+        scheme.start(*start_values(scene, settings.initial))
     return scene, scheme

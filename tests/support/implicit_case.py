@@ -1,6 +1,7 @@
 """Scheme implicit, for its tests: overrides of the small Couette case, and how to run it."""
 
 import numpy as np
+from case_from_text import to_end
 
 from tisph import config, schemes
 from tisph.scenes.channel import Channel
@@ -13,13 +14,6 @@ SLOW = 1e-6
 """Velocities with which nothing moves noticeably: the arrangement is the same whatever the steps."""
 
 
-def run(scheme):
-    """Step to the end; return the last snapshot."""
-    while not scheme.finished:
-        scheme.advance()
-    return scheme.snapshot()
-
-
 def fix_steps(scheme, dt):
     """Let a scheme take steps of one length, whatever their errors."""
     control = scheme.control
@@ -28,7 +22,7 @@ def fix_steps(scheme, dt):
 
 def exact_error(scheme):
     """Run to the end; return the error of the velocities, relative and root mean square."""
-    last = run(scheme)
+    last = to_end(scheme)
     exact = scheme.channel.exact_velocity(last.y, last.t)
     return np.linalg.norm(last.u - exact) / np.linalg.norm(exact)
 

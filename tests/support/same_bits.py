@@ -1,4 +1,4 @@
-"""The same bits of an explicit run on any number of threads, and after it was stopped and resumed."""
+"""The same bits of a run on any number of threads, and after it was stopped and resumed."""
 
 import json
 
@@ -8,9 +8,11 @@ from tisph.simulation import checkpoint
 
 
 def state(scheme):
-    """Places, velocities and pressures, and the numbers beside them."""
+    """Places, velocities, pressures and stresses, and the numbers beside them."""
     snapshot = scheme.snapshot()
-    return [getattr(snapshot, name).copy() for name in ("x", "y", "u", "v", "pressure")], scheme.host_state()
+    names = ("x", "y", "u", "v", "pressure", "stress_xx", "stress_xy", "stress_yy")
+    arrays = (getattr(snapshot, name) for name in names)
+    return [array.copy() for array in arrays if array is not None], scheme.host_state()
 
 
 def check_threads(one, two):

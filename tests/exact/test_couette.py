@@ -1,4 +1,4 @@
-"""Start-up Couette flow: two forms, an independent solution, symmetries, limits, printed values."""
+"""Start-up Couette flow: two forms, an independent solution, and limits."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def chebyshev_derivatives(count):
     return (nodes + 1) / 2, 2 * first, 4 * first @ first
 
 
-@pytest.mark.parametrize("t_star", [0.018, 0.027, 0.09, 0.11, 0.4, 1.0])
+@pytest.mark.parametrize("t_star", [0.018, 0.027, 0.09, 0.11, 0.4, 1.0, 4.0])
 @pytest.mark.parametrize(("bottom", "top"), [(0.0, 1.0), (-0.7, 0.4)])
 def test_against_an_independent_solution_of_the_equation(t_star, bottom, top):
     """Chebyshev collocation in y, matrix exponential in t: no series and no error function in it."""
@@ -82,37 +82,6 @@ def test_against_an_independent_solution_of_the_equation(t_star, bottom, top):
     assert np.max(np.abs(couette.shear_rate(nodes, t_star, **flow) - first @ reference)) <= 1e-11
 
 
-@given(wall=speeds, time=times)
-def test_equal_walls_give_a_profile_symmetric_about_mid_gap(wall, time):
-    profile = couette.velocity(HEIGHTS, time, **{**UNIT, "bottom": wall, "top": wall})
-    assert np.max(np.abs(profile - profile[::-1])) <= ROUNDING * abs(wall)
-
-
-@given(bottom=speeds, top=speeds, time=times)
-def test_swapping_the_walls_mirrors_velocity_and_reverses_shear(bottom, top, time):
-    flow = {**UNIT, "bottom": bottom, "top": top}
-    mirror = {**UNIT, "bottom": top, "top": bottom}
-    scale = abs(bottom) + abs(top)
-    u, mirrored = (couette.velocity(HEIGHTS, time, **walls) for walls in (flow, mirror))
-    assert np.max(np.abs(u - mirrored[::-1])) <= ROUNDING * scale
-    rate, reverse = (couette.shear_rate(HEIGHTS, time, **walls) for walls in (flow, mirror))
-    assert np.max(np.abs(rate + reverse[::-1])) <= 2 * ROUNDING * scale / np.sqrt(time)
-
-
-def test_walls_have_their_velocity_at_every_time():
-    times = np.array([0.0, 1e-6, 0.01, 0.1, 1.0])
-    flow = {**UNIT, "bottom": -0.3, "top": 0.5}
-    assert np.allclose(couette.velocity(0.0, times, **flow), -0.3, rtol=0, atol=1e-15)
-    assert np.allclose(couette.velocity(1.0, times, **flow), 0.5, rtol=0, atol=1e-15)
-
-
-def test_late_flow_is_linear():
-    """At t* = 4 the slowest mode is exp(-39) = 7e-18."""
-    flow = {**UNIT, "bottom": -0.25, "top": 0.5}
-    assert np.max(np.abs(couette.velocity(HEIGHTS, 4.0, **flow) - (-0.25 + 0.75 * HEIGHTS))) <= 1e-15
-    assert np.max(np.abs(couette.shear_rate(HEIGHTS, 4.0, **flow) - 0.75)) <= 4e-15
-
-
 def test_early_flow_is_that_of_a_half_space():
     """At t* = 1e-3 the other wall's image is erfc(1/(2 sqrt(1e-3))) = 8e-112: Stokes' first problem."""
     distance = 1 - HEIGHTS
@@ -125,31 +94,6 @@ def test_start_is_at_rest_between_walls_that_move_already():
     flow = {**UNIT, "bottom": -1.0, "top": 0.0}
     assert couette.velocity(np.array([0.0, 0.01, 0.99, 1.0]), 0.0, **flow).tolist() == [-1.0, 0.0, 0.0, 0.0]
     assert couette.shear_rate(np.array([0.0, 0.5, 1.0]), 0.0, **flow).tolist() == [np.inf, 0.0, 0.0]
-
-
-def test_shear_rate_is_the_derivative_of_the_velocity():
-    flow = {**UNIT, "bottom": -0.7, "top": 0.4}
-    y, step = np.linspace(0.1, 0.9, 41), 1e-4
-    for t in (0.01, 0.05, 0.2, 1.0):
-        central = couette.velocity(y + step, t, **flow) - couette.velocity(y - step, t, **flow)
-        # truncation u_yyy step^2/6 with |u_yyy| < 1000 at t* = 0.01, rounding 1e-16/step
-        assert np.allclose(couette.shear_rate(y, t, **flow), central / (2 * step), rtol=0, atol=2e-6)
-
-
-TABLE = {  # gap = viscosity = top = 1, at y = .1 .3 .5 .7 .9, eight decimals
-    0.018: (0.00000209, 0.00022485, 0.00840799, 0.11384630, 0.59816145),
-    0.027: (0.00010531, 0.00259257, 0.03142435, 0.19670560, 0.66695453),
-    0.1: (0.03026505, 0.11387444, 0.26275627, 0.50219129, 0.82304441),
-    0.2: (0.07274218, 0.22856846, 0.41156643, 0.62834301, 0.87260285),
-    1.0: (0.09998982, 0.29997336, 0.49996707, 0.69997336, 0.89998982),
-}
-
-
-@pytest.mark.parametrize("t_star", TABLE)
-def test_printed_values(t_star):
-    """Values of the independent solution to eight decimals: half a unit of the last one."""
-    y = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-    assert np.max(np.abs(couette.velocity(y, t_star, **UNIT) - TABLE[t_star])) <= 0.51e-8
 
 
 def test_times_and_heights_broadcast():

@@ -11,15 +11,6 @@ WATER = ViscoelasticFluid(1.0, ())
 ACCURACY = 1e-8
 """Of the solution, relative to the wall speed; the values have eight digits."""
 
-PLANE = [
-    # (slip lengths below and above, speed of the top, acceleration), time, u at y = 0, 1/4, 1/2, 3/4, 1
-    ((0.1, 0.05, 1.0, 0.0), 0.02, [3.6058183e-7, 8.7287172e-5, 0.0071455212, 0.14400882, 0.81117872]),
-    ((0.1, 0.05, 1.0, 0.0), 0.5, [0.083017293, 0.29219937, 0.50685556, 0.72821844, 0.95449845]),
-    ((0.1, 0.05, 0.0, 1.0), 0.1, [0.027035903, 0.072009318, 0.083335763, 0.067582842, 0.015385383]),
-    ((0.0, np.inf, 0.0, 1.0), 0.02, [0.0, 0.018303352, 0.019952027, 0.019999618, 0.019999998]),
-    ((0.0, np.inf, 0.0, 1.0), 0.5, [0.0, 0.16124274, 0.26874072, 0.32991594, 0.34972726]),
-]
-
 
 def wall(slip_length, motion):
     """A wall in a fluid of viscosity 1."""
@@ -31,10 +22,34 @@ def plane(below, above, speed, acceleration):
     return Flow(1.0, wall(below, Wall()), wall(above, Wall(speed)), acceleration)
 
 
-@pytest.mark.parametrize(("case", "time", "expected"), PLANE)
-def test_between_planes(case, time, expected):
-    found = StartUp(WATER, plane(*case)).velocity(np.linspace(0.0, 1.0, 5), time)
-    assert np.abs(found - expected).max() < ACCURACY
+SHEARED, DRIVEN, FILM = plane(0.1, 0.05, 1.0, 0.0), plane(0.1, 0.05, 0.0, 1.0), plane(0.0, np.inf, 0.0, 1.0)
+BOTH_SLIP, OUTER_SLIPS = (wall(0.1, Wall(1.0)), wall(0.2, Wall())), (Wall(1.0), wall(np.inf, Wall()))
+STARTS = [
+    # flow between planes or walls between cylinders, time, u at five places from wall to wall, torque per length
+    (SHEARED, 0.02, [3.6058183e-7, 8.7287172e-5, 0.0071455212, 0.14400882, 0.81117872], None),
+    (SHEARED, 0.5, [0.083017293, 0.29219937, 0.50685556, 0.72821844, 0.95449845], None),
+    (DRIVEN, 0.1, [0.027035903, 0.072009318, 0.083335763, 0.067582842, 0.015385383], None),
+    (FILM, 0.02, [0.0, 0.018303352, 0.019952027, 0.019999618, 0.019999998], None),
+    (FILM, 0.5, [0.0, 0.16124274, 0.26874072, 0.32991594, 0.34972726], None),
+    (BOTH_SLIP, 0.02, [0.60539382, 0.088872813, 0.0038019805, 4.124461e-5, 1.8304556e-7], None),
+    (BOTH_SLIP, 0.5, [0.79516633, 0.53468291, 0.34748866, 0.20514879, 0.091618546], None),
+    (BOTH_SLIP, 20.0, [0.8, 0.55, 11 / 30, 0.2214285714, 0.1], 4.0 * np.pi),
+    # the layer of a wall that jumps reaches a wall without friction
+    (OUTER_SLIPS, 0.02, [1, 0.18773253, 0.010062646, 0.00013269105, 8.2842524e-7], None),
+    (OUTER_SLIPS, 0.5, [1, 0.77645147, 0.64934459, 0.60673099, 0.64639283], 0.0),
+    (OUTER_SLIPS, 20.0, [1, 1.25, 1.5, 1.75, 2], 0.0),
+]
+
+
+@pytest.mark.parametrize(("case", "time", "expected", "torque"), STARTS)
+def test_start_up_between_planes_and_between_cylinders(case, time, expected, torque):
+    if isinstance(case, Flow):
+        solution, first = StartUp(WATER, case), 0.0
+    else:
+        solution, first = CircularStartUp(1.0, 2.0, WATER, *case), 1.0
+    assert np.abs(solution.velocity(first + np.linspace(0.0, 1.0, 5), time) - expected).max() < ACCURACY
+    if torque is not None:
+        assert solution.torque(time, density=1.0)[1] == pytest.approx(torque, rel=1e-8, abs=1e-7)
 
 
 def test_periodic_flow_of_an_oscillating_wall_with_slip():
@@ -47,47 +62,17 @@ def test_periodic_flow_of_an_oscillating_wall_with_slip():
 
 
 def test_developed_flow_stays_the_parabola_with_slip():
-    flow, y = plane(0.1, 0.05, 0.0, 1.0), np.linspace(0.0, 1.0, 21)
-    found = StartUp(WATER, flow, flow)
+    y, found = np.linspace(0.0, 1.0, 21), StartUp(WATER, DRIVEN, DRIVEN)
     expected = -0.5 * y**2 + 0.55 / 1.15 * (y + 0.1)
     assert np.abs(found.velocity(y, [[0.0], [0.3]]) - expected).max() < ACCURACY
 
 
 def test_after_a_jump_the_stress_is_that_of_the_whole_speed():
-    found = StartUp(WATER, plane(0.1, 0.05, 1.0, 0.0))
+    found = StartUp(WATER, SHEARED)
     assert found.shear_stress(np.array([0.0, 1.0]), 0.0) == pytest.approx([0.0, 20.0])
     # u at the wall grows as 2 sqrt(t/pi)/b
     late = 20.0 - 400.0 * 2.0 * np.sqrt(1e-7 / np.pi)
     assert found.shear_stress(1.0, 1e-7) == pytest.approx(late, abs=20.0 * 400.0 * 1e-7 * 1.1)
-
-
-@pytest.mark.parametrize(
-    ("time", "expected"),
-    [
-        (0.02, [0.60539382, 0.088872813, 0.0038019805, 4.124461e-5, 1.8304556e-7]),
-        (0.5, [0.79516633, 0.53468291, 0.34748866, 0.20514879, 0.091618546]),
-        (20.0, [0.8, 0.55, 11 / 30, 0.2214285714, 0.1]),
-    ],
-)
-def test_between_cylinders(time, expected):
-    found = CircularStartUp(1.0, 2.0, WATER, wall(0.1, Wall(1.0)), wall(0.2, Wall()))
-    assert np.abs(found.velocity(np.linspace(1.0, 2.0, 5), time) - expected).max() < ACCURACY
-    if time == 20.0:
-        assert found.torque(time, density=1.0) == pytest.approx([-4.0 * np.pi, 4.0 * np.pi], rel=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("time", "expected"),
-    [
-        (0.02, [1, 0.18773253, 0.010062646, 0.00013269105, 8.2842524e-7]),
-        (0.5, [1, 0.77645147, 0.64934459, 0.60673099, 0.64639283]),
-        (20.0, [1, 1.25, 1.5, 1.75, 2]),
-    ],
-)
-def test_the_layer_of_a_wall_that_jumps_reaches_a_wall_without_friction(time, expected):
-    found = CircularStartUp(1.0, 2.0, WATER, Wall(1.0), wall(np.inf, Wall()))
-    assert np.abs(found.velocity(np.linspace(1.0, 2.0, 5), time) - expected).max() < ACCURACY
-    assert abs(found.torque(time, density=1.0)[1]) < 1e-7
 
 
 def test_a_wall_under_stress_moves_with_a_wall_that_jumps():

@@ -1,7 +1,5 @@
 """Start-up between plane walls: against closed forms, literature, another order, and linear theory."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from oracles.circular_couette import CircularCouette
@@ -39,10 +37,7 @@ def apart(found, expected):
 
 @pytest.mark.parametrize(
     ("flow", "before", "fraction", "relaxation_time"),
-    [
-        (COUETTE, None, 0.1, 1.0),
-        (Flow(1.0, top=Wall(0.2), acceleration=-1.0), BOTH, 0.3, 0.5),
-    ],
+    [(COUETTE, None, 0.1, 1.0), (Flow(1.0, top=Wall(0.2), acceleration=-1.0), BOTH, 0.3, 0.5)],
 )
 def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
     found = StartUp(liquid("oldroyd_b", fraction, relaxation_time), flow, before)
@@ -68,35 +63,6 @@ def test_oldroyd_b_is_met(flow, before, fraction, relaxation_time):
         assert not np.any(yy)
 
 
-PLACES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])
-PRINTED = {  # at PLACES in Couette flow, at the first three in flow driven by 1; solvent fraction, quantity, time
-    (1.0, "velocity", Flow(1.0, acceleration=1.0), 0.1): (0.03014143, 0.06610096, 0.07691906),
-    (1.0, "velocity", Flow(1.0, acceleration=1.0), 1.0): (0.04499794, 0.10499460, 0.12499333),
-    (1.0, "velocity", Flow(1.0, top=Wall(1.0), acceleration=-8.0), 0.1): (
-        *(-0.21086641, -0.41493328, -0.35259624, -0.02661642, 0.58191295),
-    ),
-    (0.1, "velocity", COUETTE, 1.0): (0.18837393, 0.51395357, 0.73159931, 0.86299985, 0.95698233),
-    (0.1, "velocity", COUETTE, 2.0): (0.07543081, 0.23467316, 0.41726273, 0.63147394, 0.87345356),
-    (0.1, "xy", COUETTE, 1.0): (0.52351457, 0.55325028, 0.58167385, 0.59244866, 0.59365406),
-    (0.1, "xy", COUETTE, 2.0): (0.80163681, 0.79419950, 0.78007766, 0.76335854, 0.75171871),
-    (0.1, "xx", COUETTE, 1.0): (0.34514637, 0.40614249, 0.49690080, 0.58756211, 0.67580284),
-    (0.1, "velocity", Flow(1.0, acceleration=1.0), 0.5): (0.11261632, 0.28754440, 0.35463554),
-    (0.1, "velocity", Flow(1.0, acceleration=1.0), 5.0): (0.04578851, 0.10706435, 0.12755168),
-}
-
-
-@pytest.mark.parametrize(("fraction", "quantity", "flow", "time"), PRINTED)
-def test_printed_values_of_an_independent_solution(fraction, quantity, flow, time):
-    expected = np.array(PRINTED[fraction, quantity, flow, time])
-    found, places = StartUp(liquid("oldroyd_b", fraction), flow), PLACES[: len(expected)]
-    if quantity == "velocity":
-        computed = found.velocity(places, time)
-    else:
-        computed = found.polymer_stress(places, time)[("xx", "xy").index(quantity)]
-    # half a unit of the last decimal, and the coarser normal stress of that solution
-    assert np.max(np.abs(computed - expected)) <= (1e-7 if quantity == "xx" else 1.5e-8)
-
-
 @pytest.mark.parametrize("fraction", [0.01, 0.1, 0.9])
 @pytest.mark.parametrize("time", [0.1, 2.0])
 def test_driven_flow_follows_the_series_of_waters_and_king(fraction, time):
@@ -113,13 +79,7 @@ def test_driven_flow_follows_the_series_of_waters_and_king(fraction, time):
     assert apart(found, expected) < ACCURACY
 
 
-@pytest.mark.parametrize(
-    ("kind", "flow"),
-    [
-        ("giesekus", COUETTE),
-        ("fene_p", POISEUILLE),
-    ],
-)
+@pytest.mark.parametrize(("kind", "flow"), [("giesekus", COUETTE), ("fene_p", POISEUILLE)])
 def test_flows_end_as_closed_forms_say(kind, flow):
     """In the end the shear stress is linear in y, and the polymer's is that of its closed form at the rate there."""
     now = liquid(kind, 0.2, 3.0)
@@ -138,24 +98,12 @@ def test_flows_end_as_closed_forms_say(kind, flow):
 
 
 def test_another_order_changes_nothing():
-    kind = "fene_p"
-    one, other = (
-        StartUp(liquid(kind, 0.1, 5.0), COUETTE),
-        StartUp(liquid(kind, 0.1, 5.0), COUETTE, order=18, finest=5e-4),
-    )
+    now = liquid("fene_p", 0.1, 5.0)
+    one, other = StartUp(now, COUETTE), StartUp(now, COUETTE, order=18, finest=5e-4)
     for t in (1e-3, 0.01):
         assert apart(one.velocity(HEIGHTS, t), other.velocity(HEIGHTS, t)) < ACCURACY
         for mine, its in zip(one.polymer_stress(HEIGHTS, t)[:2], other.polymer_stress(HEIGHTS, t)[:2], strict=True):
             assert apart(mine, its) < 3 * ACCURACY
-
-
-def test_a_small_strain_meets_linear_theory():
-    # what bends is of the order of the squared Weissenberg number of the layer: (1e-5)^2 times 1/(its depth)^2, 1e3
-    found = StartUp(liquid("giesekus"), Flow(1.0, top=Wall(1e-5)))
-    for t in (0.01, 0.1):
-        velocity, _, shear = Plane(1.0, 1.0, 0.1, 1.0).fields(HEIGHTS, t, top=1e-5)
-        assert apart(found.velocity(HEIGHTS, t), velocity) < ACCURACY
-        assert apart(found.polymer_stress(HEIGHTS, t)[1], shear) < 1e-6
 
 
 def test_two_equal_modes_are_one():
@@ -176,33 +124,19 @@ def developed_velocity(now, y):
 
 
 @pytest.mark.parametrize(
-    ("now", "bound", "of_stress"),
+    "now",
     [
-        (viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-3), ACCURACY, 1e-7),
-        # its stress bends where the rate is 0; the law is that of the first, with another index
-        pytest.param(
-            viscous("power_law", index=1.5, reference_rate=1.0, least_rate=1e-3),
-            ACCURACY,
-            1e-6,
-            marks=pytest.mark.slow,
-        ),
-        (viscous("carreau_yasuda", time=10.0, index=0.4), ACCURACY, 1e-7),
-        # the edges of its plug, 1e-3 of the gap wide, are inside of elements; a softer one is below
-        pytest.param(
-            viscous("herschel_bulkley", yield_stress=0.4, index=1.0, reference_rate=1.0, regularisation=1e3),
-            1e-6,
-            5e-5,
-            marks=pytest.mark.slow,
-        ),
+        viscous("power_law", index=0.5, reference_rate=1.0, least_rate=1e-3),
+        viscous("carreau_yasuda", time=10.0, index=0.4),
     ],
-    ids=["thinning", "thickening", "carreau", "bingham"],
+    ids=["thinning", "carreau"],
 )
-def test_developed_flow_of_inelastic_fluids(now, bound, of_stress):
+def test_developed_flow_of_inelastic_fluids(now):
     found = StartUp(now, POISEUILLE)
     t = 200.0  # of a liquid whose viscosity falls to 0.2, and that takes 5 times as long
     expected = [developed_velocity(now, y) for y in HEIGHTS[:21]]
-    assert apart(found.velocity(HEIGHTS[:21], t), np.array(expected)) < bound
-    assert np.allclose(found.shear_stress(HEIGHTS, t), 2.0 * (0.5 - HEIGHTS), atol=of_stress)
+    assert apart(found.velocity(HEIGHTS[:21], t), np.array(expected)) < ACCURACY
+    assert np.allclose(found.shear_stress(HEIGHTS, t), 2.0 * (0.5 - HEIGHTS), atol=1e-7)
 
 
 def test_power_law_and_plug_of_the_textbook():
@@ -214,38 +148,6 @@ def test_power_law_and_plug_of_the_textbook():
     numbers = {"yield_stress": 0.4, "index": 1.0, "reference_rate": 1.0, "regularisation": 300.0}
     plug = StartUp(viscous("herschel_bulkley", **numbers), POISEUILLE).velocity(0.5, 20.0)
     assert plug == pytest.approx((1.0 - 0.4) ** 2 / 4.0, rel=8e-3)  # it creeps: by 2.2/m, of first order in 1/m
-
-
-@dataclass(frozen=True)
-class Swinging(Wall):
-    """A wall that oscillates, and its acceleration."""
-
-    cosine: float = 0.6
-    sine: float = -0.8
-    angular_frequency: float = 40.0
-
-    def velocity(self, t):
-        angle = self.angular_frequency * np.asarray(t)
-        return self.cosine * np.cos(angle) + self.sine * np.sin(angle)
-
-    def acceleration(self, t):
-        angle = self.angular_frequency * np.asarray(t)
-        return self.angular_frequency * (self.sine * np.cos(angle) - self.cosine * np.sin(angle))
-
-
-@pytest.mark.parametrize(
-    "now",
-    [
-        viscous("power_law", index=1.0, reference_rate=1.0, least_rate=1.0),
-        ViscoelasticFluid(1.0, (law("oldroyd_b", viscosity=0.0),)),
-    ],
-    ids=["solved", "with_layer"],
-)
-def test_walls_that_swing(now):
-    wall = Swinging()
-    found = StartUp(now, Flow(1.0, top=wall))
-    for t in (1e-3, 0.1):
-        assert apart(found.velocity(HEIGHTS, t), Plane(1.0, 1.0).fields(HEIGHTS, t, top=wall)[0]) < ACCURACY
 
 
 def test_what_was_asked_before_changes_nothing():
@@ -265,6 +167,9 @@ def test_the_start_itself():
         ViscoelasticFluid(0.0, ())
     with pytest.raises(ValueError, match="gap of 2"):
         StartUp(liquid("giesekus"), COUETTE, Flow(2.0))
+    swinging = Flow(1.0, Wall(), WallMotion(1.0, 0.0, 3.0))
+    with pytest.raises(ValueError, match="Newtonian"):
+        StartUp(liquid("giesekus"), swinging, swinging)
 
 
 GAP, NU = 0.7, 0.3
@@ -309,6 +214,13 @@ def test_poiseuille_from_rest_and_developed():
     assert_close(StartUp(FLUID, flow, flow).velocity(PLACES_IN_GAP, TIMES[-1]), parabola)
 
 
+def test_an_oscillating_wall_step_by_step():
+    now, wall = viscous("power_law", index=1.0, reference_rate=1.0, least_rate=1.0), WallMotion(0.6, -0.8, 40.0)
+    found = StartUp(now, Flow(1.0, top=wall))
+    for t in (1e-3, 0.1):
+        assert apart(found.velocity(HEIGHTS, t), Plane(1.0, 1.0).fields(HEIGHTS, t, top=wall)[0]) < ACCURACY
+
+
 @pytest.mark.parametrize("wall", OSCILLATIONS, ids=str)
 def test_oscillating_wall_from_rest_and_in_its_periodic_state(wall):
     flow = Flow(GAP, Wall(), wall)
@@ -321,41 +233,26 @@ def test_scheduled_wall():
 
 
 CYLINDERS = [
-    (WallMotion(2.0), WallMotion(0.0)),
     (WallMotion(0.0, before=1.0), WallMotion(0.5, before=0.5)),
     (WallMotion(1.0, 0.5, 7.0), WallMotion(0.0, 2.0, 3.0)),
 ]
 
 
-@pytest.mark.parametrize(("inner", "outer"), CYLINDERS, ids=["start", "stop", "oscillation"])
+@pytest.mark.parametrize(("inner", "outer"), CYLINDERS, ids=["stop", "oscillation"])
 def test_cylinders(inner, outer):
     before = tuple(Wall(wall.before or 0.0) for wall in (inner, outer))
     radii = 1.0, 1.0 + GAP
     solved = CircularStartUp(*radii, FLUID, inner, outer, before if any(wall.speed for wall in before) else None)
     expected = CircularCouette(*radii, NU, inner, outer)
+    periodic = CircularStartUp(*radii, FLUID, inner, outer, (inner, outer)) if inner.oscillates else None
+    places = radii[0] + PLACES_IN_GAP[:, None], TIMES[None]
     for name in ("velocity", "shear_rate"):
-        places = radii[0] + PLACES_IN_GAP[:, None], TIMES[None]
         assert_close(getattr(solved, name)(*places), getattr(expected, name)(*places))
+        if periodic:
+            assert_close(getattr(periodic, name)(*places), getattr(expected, f"settled_{name}")(*places))
     for time in TIMES[2:]:
         pressures = [flow.pressure(radii[0] + PLACES_IN_GAP, time, density=1.3) for flow in (solved, expected)]
         assert_close(*pressures)
-
-
-def test_cylinders_that_oscillate_in_their_periodic_state():
-    walls, radii = CYLINDERS[-1], (1.0, 1.0 + GAP)
-    solved, expected = CircularStartUp(*radii, FLUID, *walls, walls), CircularCouette(*radii, NU, *walls)
-    for name in ("velocity", "shear_rate"):
-        places = radii[0] + PLACES_IN_GAP[:, None], TIMES[None]
-        assert_close(getattr(solved, name)(*places), getattr(expected, f"settled_{name}")(*places))
-
-
-def test_only_a_newtonian_fluid_starts_from_a_periodic_state():
-    from tisph.rheology.oldroyd_b import Parameters
-
-    laws = Parameters(type="oldroyd_b", relaxation_time=1.0, solvent_fraction=0.5).laws(NU)
-    flow = Flow(GAP, Wall(), OSCILLATIONS[0])
-    with pytest.raises(ValueError, match="Newtonian"):
-        StartUp(ViscoelasticFluid(0.5 * NU, laws), flow, flow)
 
 
 OFF_WALL = np.linspace(0.1, 1.0, 10)

@@ -164,17 +164,22 @@ def test_the_resolved_config_is_short_and_gives_the_same_circles(read, scene, tm
     assert circles(load(again)).tobytes() == circles(config).tobytes()
 
 
-def test_a_seed_gives_the_same_circles_and_another_others(read):
-    first, again, other = (circles(read("channel", f"bodies.seed={seed}")) for seed in (4, 4, 5))
+def test_a_seed_and_a_gap_give_the_same_circles_at_any_spacing(read):
+    first, again, other = (
+        circles(read("lattice", "bodies.least_gap=0.05", f"bodies.seed={seed}", f"discretisation.particles_across={n}"))
+        for seed, n in ((4, 48), (4, 96), (5, 48))
+    )
     assert first.tobytes() == again.tobytes()
     assert np.abs(first - other).max() > 0.1
 
 
-def test_a_given_gap_gives_the_same_circles_at_any_spacing(read):
-    coarse, fine = (
-        circles(read("lattice", "bodies.least_gap=0.05", f"discretisation.particles_across={n}")) for n in (48, 96)
-    )
-    assert coarse.tobytes() == fine.tobytes()
+def test_all_circles_have_the_motion_and_the_density(read):
+    scene = scenes.of(read("lattice", "bodies.motion={angular_velocity: 2.0}"))
+    motions = {(float(body.motion.rotation.velocity(0.5)), float(body.motion.x.velocity(0.5))) for body in scene.bodies}
+    assert motions == {(2.0, 0.0)}
+    scene = scenes.of(read("channel", "bodies.motion=free", "bodies.density=2.0"))
+    masses = [body.motion.inertia.mass[0] for body in scene.bodies[: scene.count]]
+    assert masses == pytest.approx([2.0 * math.pi * 0.08**2] * scene.count, rel=1e-14)  # of a product of three
 
 
 @pytest.mark.parametrize(("shares", "parts"), [("null", (0.5, 0.5)), ("[0.25, 0.75]", (0.25, 0.75))])
@@ -183,18 +188,6 @@ def test_radii_of_a_mixture_share_the_area(read, shares, parts):
     counts = [np.count_nonzero(found[:, 2] == radius) for radius in (0.06, 0.12)]
     solid = [part * 0.25 * 1.5 for part in parts]
     assert counts == [round(area / (math.pi * r**2)) for area, r in zip(solid, (0.06, 0.12), strict=True)]
-
-
-def test_all_circles_have_the_motion(read):
-    scene = scenes.of(read("lattice", "bodies.motion={angular_velocity: 2.0}"))
-    assert {float(body.motion.rotation.velocity(0.5)) for body in scene.bodies} == {2.0}
-    assert {float(body.motion.x.velocity(0.5)) for body in scene.bodies} == {0.0}
-
-
-def test_all_circles_are_free_with_the_same_density(read):
-    scene = scenes.of(read("channel", "bodies.motion=free", "bodies.density=2.0"))
-    masses = [body.motion.inertia.mass[0] for body in scene.bodies[: scene.count]]
-    assert masses == pytest.approx([2.0 * math.pi * 0.08**2] * scene.count, rel=1e-14)  # of a product of three
 
 
 def test_a_fraction_that_is_too_large_names_one_that_fits(read):

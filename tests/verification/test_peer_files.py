@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flows import flow_text
 
 import tisph
 from tisph.assessment import judge
@@ -16,13 +17,7 @@ from tisph.exact import couette
 
 PEERS = Path(tisph.__file__).parents[1] / "benchmarks" / "peers"
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 2.0}
-walls: {top: {velocity: 0.5}}
-time: {end: 2.7}
-"""
+CASE = flow_text("couette_of_peers")
 
 CODES = {
     "pysph": (PEERS / "env-pysph/bin/python", "pysph_couette.py", "end.npz", None, 1e-9),

@@ -1,27 +1,17 @@
 """The C++ loop in benchmarks/, an implementation of its own, moves particles as the explicit scheme does."""
 
 import json
-import math
 
 import numpy as np
 import pytest
 import reference_loop as reference
+from flows import flow_config
 
 from tisph import registry, runtime, scenes
 from tisph.config import load
-from tisph.exact import couette
-from tisph.schemes.wcsph.kernels import wendland_c2
 from tisph.simulation.state import start_values
 
-CASE = {
-    "scene": "channel",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 0.01},
-    "geometry": {"gap": 1.0, "length": 0.4},
-    "walls": {"top": {"velocity": 0.5}},
-    "scheme": {"type": "wcsph", "operators": "standard", "equation_of_state": {"sound_speed": 5.0}},
-    "time": {"end": 100.0},
-    "runtime": {"threads": 1},
-}
+CASE = flow_config("explicit_channel")
 DISCRETISATION = {"kernel": "wendland_c2", "smoothing_ratio": 1.3}
 
 
@@ -49,40 +39,6 @@ def run_reference(program, folder, case, start, **words):
     reference.write_state(state, *start)
     found = reference.run(program, *case, state=state, out=out, warm_up=0, **words)
     return np.fromfile(out).reshape(-1, 4), found
-
-
-def lattice_viscosity():
-    """Part of the viscosity that the uncorrected sum with the kernel of the cases gives on a square lattice.
-
-    The sum V 2 (-W'/r) r^2 / (r^2 + 0.01 h^2) y^2 / 2 over the lattice is 1 in the limit of many neighbours.
-    """
-    ratio = 1.3
-    offsets = [(x, y) for x in range(-3, 4) for y in range(-3, 4) if (x, y) != (0, 0)]
-    total = 0.0
-    for x, y in offsets:
-        squared = x * x + y * y
-        weight = wendland_c2.slope_over_q(math.sqrt(squared) / ratio) / ratio**4
-        total += weight * squared / (squared + 0.01 * ratio**2) * y * y
-    return total
-
-
-@pytest.mark.verification
-@pytest.mark.slow  # below it does what the program does, step by step
-def test_the_loop_converges_to_start_up_couette_flow(program, tmp_path):
-    part, end, errors = lattice_viscosity(), 2.7, []
-    assert part == pytest.approx(0.963, abs=1e-3)  # why the exact solution below is that of a thinner liquid
-    for across in (25, 50):
-        config, channel = scene(tmp_path, "f64", across, state="rest", jitter=0.0)
-        x, y = channel.lattice()
-        steps = math.ceil(end / reference.step_limit(config, channel)[0])
-        words = {"steps": steps, "time_step": end / steps}
-        state, _ = run_reference(program, tmp_path, (config, channel), (x, y, 0 * x, 0 * x), **words)
-        viscosity = part * channel.kinematic_viscosity
-        exact = couette.velocity(state[:, 1], end, gap=1.0, kinematic_viscosity=viscosity, bottom=0.0, top=0.5)
-        errors.append(np.linalg.norm(state[:, 2] - exact) / np.linalg.norm(exact))
-    # measured 3.7e-3 and 8.0e-4: second order, once the impulsive start is resolved
-    assert errors[1] < 1.5e-3
-    assert errors[0] / errors[1] > 3.5
 
 
 STEPS = 200

@@ -4,10 +4,13 @@ The bounds and where they come from stand in ``tisph/suites``. A run is simulate
 test asks for it, and all processes of the tests read what it left.
 """
 
+from pathlib import Path
+
 import pytest
 from filelock import FileLock
 
 from tisph import config, simulation
+from tisph.config.yaml_text import parse
 from tisph.errors import DivergedError
 from tisph.studies import suites, verify
 from tisph.studies.processes import read_result
@@ -16,48 +19,7 @@ from tisph.studies.suites import Suite
 HERE = {"runtime": {"threads": 1}, "output": {"video": None}}
 """Of a run in the tests' own process. One thread gives the bits of several, and costs less beside other tests."""
 
-
-LONG = (
-    "across_25/50",
-    "taylor_green",
-    "taylor_green 25/50",
-    "cavity_25",
-    "regular_lid_slow 16/25",
-    "shear_held",
-    "eccentric_25",
-    "eccentric 16/25",
-    "oldroyd_b_annulus_12",
-    "annulus, ratio 0.2, 12/25",
-    "exponential_ptt_poiseuille",
-    "fene_p_couette",
-    "two_modes_poiseuille",
-    "free_shear",
-    "sphere 16/24",
-    "sphere_24",
-    "annulus_25",
-    "taylor_green_25",
-    "giesekus_couette",
-    "carreau",
-    "carreau_annulus",
-    "pipe_20",
-    "spin_up_20",
-    "vortex_20",
-    "free_at_rest",
-    "free_falling",
-    "free_uniform",
-    "released_0.1",
-)
-"""Quick rows that take longest. The order of the explicit scheme is that of poiseuille, with the same operators and
-walls, and lattice bounds the error at 50 across of the wall that moves. In tests/schemes the vortex of 50 across has
-the same bounds in test_two_dimensional.py, its order too; curved walls and eccentric cylinders are in
-test_curved_walls.py, the steady flow under a regular lid and the sharp lid in test_corner_singularities.py, a coarser
-cylinder, held in shear, in test_bodies_in_flow.py, to the same stress of the walls; between the same cylinders a
-Giesekus fluid starts in test_viscoelastic_stress.py. The forces on free bodies at rest, when they are released,
-falling and in shear are in test_free_bodies.py, the drag of a sphere, the pipe and Taylor vortices with fewer
-particles in test_axisymmetric.py, spin-up in test_regions_of_revolution.py, a fluid of varying viscosity between
-cylinders in test_generalised_newtonian_stress.py, a law in steps and two modes in test_channel_polymer.py, to the same
-bound. Bingham's law is stepped as Carreau's, and varies more. tests/rheology/test_laws_in_kernels.py compares both
-laws in kernels with NumPy, and test_laws.py there compares them with the literature."""
+LONG = parse((Path(__file__).parent / "data" / "slow_rows.yaml").read_text(encoding="utf-8")).data
 
 
 def checks(quick):

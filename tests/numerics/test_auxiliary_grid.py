@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from annulus_case import INNER, OUTER, make, run
+from annulus_case import INNER, OUTER, make
 
 from tisph import runtime
 from tisph.runtime import view
@@ -59,9 +59,3 @@ def test_grid_is_made_anew_where_walls_have_moved_a_spacing(way, anew, monkeypat
     monkeypatch.setattr(walls.walls, "velocities", lambda time: walls.normals * 2.0)
     walls.move(walls.grid_time + 0.5 * way * spacing)
     assert bool(made) == anew
-
-
-def test_cylinders_that_turn_keep_their_grid():
-    flow, places = make()
-    scheme = run(flow, places, np.zeros_like(places), 3.0, steps=12)
-    assert scheme.boundary.grid_time == 0.0

@@ -79,31 +79,21 @@ def compare_with_brute_force(scheme, x, y):
     assert not np.any(has[apart > reach + 1e-12])
 
 
-@pytest.mark.parametrize("order", [2, 4])
-@pytest.mark.parametrize("across", [6, 12])
-@pytest.mark.parametrize("jitter", [0.0, 0.2, 0.45])
-def test_neighbours_are_those_of_brute_force(make, order, across, jitter):
-    scheme = make(f"scheme.operators.order={order}", f"discretisation.particles_across={across}")
+CASES = [
+    # order, particles across, jitter, lengths that the upper wall has gone, columns
+    *((order, across, jitter, 0.0, 24) for order in (2, 4) for across in (6, 12) for jitter in (0.0, 0.2, 0.45)),
+    *((4, 12, 0.2, lengths, 24) for lengths in (-30.7, 0.3, 17.4)),  # rows slide to anywhere relative to one another
+    # the fewest columns that make three cells, and periods that cells do not divide evenly
+    *((4, 12, 0.4, 0.0, columns) for columns in (10, 11, 23)),
+]
+
+
+@pytest.mark.parametrize(("order", "across", "jitter", "lengths", "columns"), CASES)
+def test_neighbours_are_those_of_brute_force(make, order, across, jitter, lengths, columns):
+    sizes = f"discretisation.particles_across={across}", f"geometry.length={columns / 12!r}"
+    scheme = make(f"scheme.operators.order={order}", *sizes)
     x, y = scheme.channel.jittered(0, jitter)
-    place(scheme, x, y)
-    compare_with_brute_force(scheme, x, y)
-
-
-@pytest.mark.parametrize("lengths", [-30.7, 0.3, 17.4])
-def test_neighbours_are_those_of_brute_force_after_shear_by_many_lengths(make, lengths):
-    # rows that have slid by up to so many lengths of the channel, to anywhere relative to one another
-    scheme = make()
-    x, y = scheme.channel.jittered(1, 0.2)
     x = x + lengths * scheme.channel.length * scheme.channel.lattice()[1]
-    place(scheme, x, y)
-    compare_with_brute_force(scheme, x, y)
-
-
-@pytest.mark.parametrize("columns", [10, 11, 23])
-def test_any_period_will_do(make, columns):
-    # the least that makes three cells, and periods that cells do not divide evenly
-    scheme = make(f"geometry.length={columns / 12!r}")
-    x, y = scheme.channel.jittered(2, 0.4)
     place(scheme, x, y)
     compare_with_brute_force(scheme, x, y)
 
@@ -122,41 +112,26 @@ def test_neighbours_on_the_seam_of_the_period(make):
     compare_with_brute_force(scheme, x, y)
 
 
-def test_rows_are_padded_with_the_sentinel_at_their_ends(make):
+def test_rows_are_padded_with_a_far_sentinel_and_follow_one_another(make):
     scheme = make()
-    place(scheme, *scheme.channel.jittered(0, 0.3))
+    x, y = scheme.channel.jittered(0, 0.3)
+    place(scheme, x, y)
     points = scheme.points
     table, begin, end = view(points.neighbours), view(points.begin), view(points.end)
+    reach = np.sqrt(points.cutoff_squared[None])
+    assert begin[0] == 0
+    assert np.array_equal(begin[1 : points.fluid], end[: points.fluid - 1])
+    assert distances(scheme.channel, x, y, *view(points.position)[points.sentinel]).min() > 100 * reach
+    assert points.mean_length() == pytest.approx((brute_force(scheme, x, y) < reach).sum() / x.size, rel=1e-12)
     for i in range(points.fluid):
         row = table[begin[i] : end[i]]
         assert len(row) % LANES == 0
         padding = np.count_nonzero(row == points.sentinel)
         assert padding < LANES
         assert np.all(row[len(row) - padding :] == points.sentinel)
-
-
-def test_rows_follow_one_another_without_gaps(make):
-    scheme = make()
-    place(scheme, *scheme.channel.jittered(0, 0.3))
-    begin, end = (view(field)[: scheme.points.fluid] for field in (scheme.points.begin, scheme.points.end))
-    assert begin[0] == 0
-    assert np.array_equal(begin[1:], end[:-1])
-
-
-def test_the_sentinel_is_far_from_everything(make):
-    scheme = make()
-    x, y = scheme.channel.jittered(0, 0.3)
-    place(scheme, x, y)
-    far = view(scheme.points.position)[scheme.points.sentinel]
-    assert distances(scheme.channel, x, y, *far).min() > 100 * np.sqrt(scheme.points.cutoff_squared[None])
-
-
-def test_the_mean_number_of_neighbours_leaves_out_padding_and_the_particle(make):
-    scheme = make()
-    x, y = scheme.channel.jittered(0, 0.3)
-    place(scheme, x, y)
-    near = brute_force(scheme, x, y) < np.sqrt(scheme.points.cutoff_squared[None])
-    assert scheme.points.mean_length() == pytest.approx(near.sum() / x.size, rel=1e-12)
+    before = table.copy()
+    points.find_neighbours()  # once more
+    assert np.array_equal(view(points.neighbours), before)
 
 
 def heap(scheme, size):
@@ -202,14 +177,6 @@ def test_a_period_of_too_few_cells_is_refused(make):
     short = dataclasses.replace(channel, columns=columns, length=columns * channel.spacing)
     with pytest.raises(ValueError, match="6 cells along x"):
         PointCloud(short, scheme.domain, reach, 0, serial=True)
-
-
-def test_neighbours_sought_again_are_the_same(make):
-    scheme = make()
-    place(scheme, *scheme.channel.jittered(0, 0.4))
-    before = view(scheme.points.neighbours).copy()
-    scheme.points.find_neighbours()
-    assert np.array_equal(view(scheme.points.neighbours), before)
 
 
 REACH = 3.0

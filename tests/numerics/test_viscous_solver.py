@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from implicit_case import IMPLICIT, SLOW, run
+from case_from_text import to_end as run
+from implicit_case import IMPLICIT
 
 from tisph.numerics import least_squares as operators
 from tisph.numerics.auxiliary_grid import DirichletGrid
 from tisph.numerics.point_cloud import active
-from tisph.runtime import real, ti, view
+from tisph.runtime import real, view
 from tisph.schemes.implicit.channel import operators as _operators
 from tisph.simulation import checkpoint
 
@@ -30,16 +31,12 @@ def assembled(shared):
 
     def build(*overrides):
         scheme = shared(*IMPLICIT, *overrides)
-        scheme.start(*disorder(scheme.channel))
+        position = np.stack(scheme.channel.jittered(0, 0.2), 1)
+        scheme.start(position, np.zeros_like(position))
         scheme.particles.arrange(0.0)
         return scheme
 
     return build
-
-
-def disorder(channel):
-    position = np.stack(channel.jittered(0, 0.2), 1)
-    return position, np.zeros_like(position)
 
 
 def solved(scheme, known, viscous_number, residual=RESIDUAL):
@@ -50,89 +47,20 @@ def solved(scheme, known, viscous_number, residual=RESIDUAL):
     return view(solver.x)[:fluid].copy(), solver.iterations
 
 
-# --- the lattice
-
-
-@pytest.fixture
-def lattice(assembled):
+@pytest.mark.parametrize(("across", "along"), [(1, 0), (1, 1), (5, 2), (11, 5)])
+def test_a_wave_that_vanishes_at_the_walls_is_divided_by_its_eigenvalue(assembled, across, along):
     scheme = assembled()
     lattice = DirichletGrid(scheme.points, scheme.channel, scheme.channel.gap)
-    return lattice, lattice.nodes(real()), scheme.channel
-
-
-def on_nodes(lattice, field):
-    """The nodes' values (rows, columns), in place."""
-    rows, columns = lattice.shape
-    return view(field)[: rows * columns].reshape(rows, columns)
-
-
-@pytest.mark.parametrize(("across", "along"), [(1, 0), (1, 1), (5, 2), (11, 5)])
-def test_a_wave_that_vanishes_at_the_walls_is_divided_by_its_eigenvalue(lattice, across, along):
-    lattice, nodes, _ = lattice
-    rows, columns = lattice.shape
+    nodes, (rows, columns) = lattice.nodes(real()), lattice.shape
+    on_nodes = view(nodes)[: rows * columns].reshape(rows, columns)
     row, column = np.arange(rows)[:, None], np.arange(columns)
     wave = np.sin(np.pi * across * row / rows) * np.cos(2 * np.pi * along * column / columns + 0.3)
-    on_nodes(lattice, nodes)[...] = wave
+    on_nodes[...] = wave
     # the second differences of five points, the spacings being 1/12
     minus_laplacian = 4 * 12**2 * (np.sin(0.5 * np.pi * across / rows) ** 2 + np.sin(np.pi * along / columns) ** 2)
     lattice.invert(nodes, 1.0, 0.02)
     expected = wave / (1.0 + 0.02 * minus_laplacian)
-    assert np.abs(on_nodes(lattice, nodes) - expected).max() < 1e-14  # rounding of some 100 sums
-
-
-def test_the_inverse_is_symmetric_and_vanishes_at_the_walls(lattice):
-    lattice, nodes, _ = lattice
-    first, second = np.random.default_rng(0).normal(size=(2, *lattice.shape))
-    first[0] = second[0] = 0.0
-    images = []
-    for values in (first, second):
-        on_nodes(lattice, nodes)[...] = values
-        lattice.invert(nodes, 1.0, 0.02)
-        images.append(on_nodes(lattice, nodes).copy())
-    assert np.vdot(first, images[1]) == pytest.approx(np.vdot(second, images[0]), rel=1e-12)
-    assert not images[0][0].any()
-
-
-@ti.data_oriented
-class Transfers:
-    """``grid`` from particles to nodes and back: what nodes get of ``given``, and particles of ``nodes``."""
-
-    def __init__(self, lattice, nodes):
-        self.lattice, self.nodes, self.points = lattice, nodes, lattice.points
-        self.given, self.found = (ti.field(real(), shape=self.points.capacity) for _ in range(2))
-
-    @ti.kernel
-    def up(self):
-        for node in range(self.lattice.rows[None] * self.lattice.columns[None]):
-            self.nodes[node] = self.lattice.deposit(self.given, node)
-
-    @ti.kernel
-    def down(self):
-        for i in range(self.points.fluid):
-            self.found[i] = self.lattice.interpolate(self.nodes, i)
-
-
-def test_particles_get_from_the_nodes_by_the_weights_by_which_they_gave(lattice):
-    lattice, nodes, _ = lattice
-    lattice.sort()
-    carried, fluid = Transfers(lattice, nodes), lattice.points.fluid
-    random = np.random.default_rng(0)
-    given, values = random.normal(size=fluid), random.normal(size=lattice.shape)
-    view(carried.given)[:fluid] = given
-    carried.up()
-    gained = on_nodes(lattice, nodes).copy()
-    on_nodes(lattice, nodes)[...] = values
-    carried.down()
-    # as many nodes as particles here, so that no share is taken
-    assert np.vdot(values, gained) == pytest.approx(np.vdot(view(carried.found)[:fluid], given), rel=1e-12)
-    # bilinear: waves as long as the box, at the places of the particles
-    on_nodes(lattice, nodes)[...] = np.cos(2 * np.pi * np.arange(lattice.shape[1]) / lattice.shape[1])
-    carried.down()
-    expected = np.cos(2 * np.pi * view(lattice.points.position)[:fluid, 0])
-    assert np.abs(view(carried.found)[:fluid] - expected).max() < 0.125 * (2 * np.pi / 12) ** 2  # f'' dx^2 / 8
-
-
-# --- the systems
+    assert np.abs(on_nodes - expected).max() < 1e-14  # rounding of some 100 sums
 
 
 def laplacian_of(scheme):
@@ -154,15 +82,6 @@ def test_two_levels_solve_what_the_rows_say(two_levels, assembled, overrides):
     assert np.linalg.norm(found - np.linalg.solve(matrix, known)) <= 1.01 * farthest
 
 
-@pytest.mark.parametrize(("few", "viscous_number"), [(10**4, LONG), (0, 0.9 * _operators.ROUGH)])
-def test_few_particles_and_short_steps_do_without(assembled, monkeypatch, few, viscous_number):
-    monkeypatch.setattr(_operators, "FEW", few)
-    scheme = assembled()
-    scheme.closed.solver.two_level, scheme.closed.solver.roughest = None, _operators.ROUGH * scheme.channel.spacing**2
-    solved(scheme, np.ones(scheme.points.fluid), viscous_number)
-    assert scheme.closed.solver.two_level is None
-
-
 # --- runs: with Schemes of their own, whose fields take the place of those above
 
 
@@ -181,19 +100,6 @@ def test_iterations_depend_neither_on_particles_nor_on_the_time_step(two_levels,
 
 def flow(make, *overrides, **words):
     return make(*IMPLICIT, "initial.jitter=0.2", "time.end=4.0", *overrides, **words)
-
-
-def test_a_run_has_the_velocities_of_one_with_the_diagonal_alone(make, monkeypatch):
-    slow = f"walls.top.velocity={SLOW}"  # or errors in the places that grow would be compared
-    before = run(flow(make, slow))
-    monkeypatch.setattr(_operators, "FEW", 0)
-    monkeypatch.setattr(_operators, "ROUGH", 0.0)
-    scheme = flow(make, slow)
-    after = run(scheme)
-    assert scheme.closed.solver.two_level is not None
-    assert after.step == before.step
-    # a residual of 1e-3 of a step's tolerance of 1e-5 in each of some 20 steps of three stages
-    assert np.linalg.norm(after.u - before.u) < 60 * 1e-8 * np.linalg.norm(before.u)
 
 
 @pytest.mark.other_program

@@ -9,7 +9,6 @@ from report_scene import make_annulus
 
 from tisph import registry
 from tisph.geometry.motion import WallMotion
-from tisph.scenes.annulus import cartesian, polar
 from tisph.snapshot import STRESSES, Snapshot
 
 CENTRE, DENSITY = (0.4, -0.3), 2.0
@@ -75,17 +74,6 @@ def test_torques_have_the_units_of_the_config(annulus):
     ]
     torques = annulus.exact_torques(TIME)
     assert (momentum[1] - momentum[0]) / (2 * step) == pytest.approx(-sum(torques), abs=1e-4 * abs(torques[0]))
-
-
-def test_components_go_both_ways():
-    x, y = np.array([1.0, -0.5, 0.2]), np.array([0.1, 0.7, -2.0])
-    around, shear, along = np.array([[3.0, 1.0, -2.0], [0.5, -0.4, 0.1], [0.2, 0.0, 1.0]])
-    found = cartesian(np.array([around, shear, along]), x, y)
-    assert np.allclose(polar(found, x, y), [shear, around - along])
-    assert np.allclose(found[0] + found[2], around + along)  # the trace
-    # on the x axis y is around, on the y axis -x is
-    assert np.allclose(cartesian(np.array([3.0, 0.5, 0.2]), 1.0, 0.0), [0.2, 0.5, 3.0])
-    assert np.allclose(cartesian(np.array([3.0, 0.5, 0.2]), 0.0, 1.0), [3.0, -0.5, 0.2])
 
 
 def exact_snapshot(annulus, t):

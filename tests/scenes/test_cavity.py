@@ -1,5 +1,6 @@
 """The cavity: what its config may say, its walls and corners, and that errors are given of a steady state alone."""
 
+import functools
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +8,6 @@ import pytest
 from report_scene import Drawn, make_video
 
 from tisph.cli.run import result_text
-from tisph.config import load
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
@@ -15,24 +15,13 @@ from tisph.scenes.cavity import Scene
 from tisph.schemes._forecast import forecast
 from tisph.simulation.state import start_snapshot, start_values
 
-GOOD = """
-scene: cavity
-fluid: {density: 2.0, kinematic_viscosity: 0.01}
-geometry: {width: 1.0, height: 1.0}
-walls: {lid: {velocity: 1.0}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 30}
-time: {end: 20.0}
-"""
 TIMES = np.linspace(0.0, 20.0, 401)
 STEADY = np.full((401, 1), 0.03)
 
 
 @pytest.fixture
-def case(tmp_path):
-    path = tmp_path / "case.yaml"
-    path.write_text(GOOD)
-    return lambda *overrides: load(path, overrides)
+def case(load_flow):
+    return functools.partial(load_flow, "cavity")
 
 
 @pytest.fixture
@@ -55,13 +44,6 @@ def scene_initial(scene):
 
 def measured(scene, snapshot, energies=STEADY):
     return sample_metrics(scene, snapshot, ((), np.array([0.03]), (TIMES, energies)))
-
-
-def test_particles_fill_the_box(case):
-    scene = Scene.from_config(case("geometry.height=2.0"))
-    x, y = scene.jittered(0, 0.2)
-    assert len(x) == scene.particles == 1800
-    assert np.all((x > 0) & (x < 1) & (y > 0) & (y < 2))
 
 
 def test_the_sharp_lid_alone_slides_past_corners(case, regular):

@@ -13,7 +13,8 @@ from report_scene import Drawn, make_video
 
 from tisph import scenes
 from tisph.config import load
-from tisph.measures.fits import _rule, cell_mean, section_mean
+from tisph.config.yaml_text import parse
+from tisph.measures.fits import cell_mean, section_mean
 from tisph.measures.resolution import resolution, steadiness, steady_since
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
@@ -25,43 +26,9 @@ from tisph.snapshot import Bodies, Snapshot
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
-LIQUID = "fluid: {density: 2.0, kinematic_viscosity: 0.5}\ntime: {end: 1.0}\n"
-LATTICE = f"""
-scene: lattice
-{LIQUID}
-geometry: {{length: 1.0, height: 1.0}}
-bodies: [{{centre: [0.5, 0.5], radius: 0.25}}]
-drive: {{acceleration: 1.0}}
-discretisation: {{particles_across: 32}}
-"""
-CHANNEL = f"""
-scene: channel
-{LIQUID}
-geometry: {{gap: 1.0, length: 1.5}}
-walls: {{top: {{velocity: 1.0}}}}
-bodies: [{{centre: [0.1, 0.5], radius: 0.2}}]
-discretisation: {{particles_across: 24}}
-"""
-REGION = f"""
-scene: region
-{LIQUID}
-walls: {{around: {{type: circle, centre: [3.0, 1.0], radius: 1.0, motion: {{angular_velocity: 2.0}}}}}}
-bodies: [{{centre: [3.2, 1.0], radius: 0.3}}]
-discretisation: {{particles_across: 40}}
-"""
-SHARP = "{type: polygon, centre: [0.5, 0.5], corners: [[-0.2, -0.15], [0.2, -0.15], [0, 0.2]]}"
+LATTICE, CHANNEL, REGION = "lattice_of_cylinders", "cylinder_in_shear", "turning_circle"
 SANGANI_ACRIVOS = {0.05: 15.56, 0.1: 24.83, 0.2: 51.53, 0.3: 102.90, 0.4: 217.89}
 """Drag over dynamic viscosity times mean velocity, by solid fraction of a square array."""
-
-
-def loaded(tmp_path, text, *changes):
-    path = tmp_path / "case.yaml"
-    path.write_text(text)
-    return load(path, changes)
-
-
-def scene_of(config):
-    return scenes.of(config)
 
 
 @pytest.mark.parametrize(("text", "area", "count"), [
@@ -69,8 +36,8 @@ def scene_of(config):
     (CHANNEL, 1.5 - math.pi * 0.04, 3),
     (REGION, math.pi * (1.0 - 0.09), 2),
 ])  # fmt: skip
-def test_particles_fill_what_bodies_and_walls_leave(tmp_path, text, area, count):
-    scene = scene_of(loaded(tmp_path, text))
+def test_particles_fill_what_bodies_and_walls_leave(load_flow, text, area, count):
+    scene = scenes.of(load_flow(text))
     assert isinstance(scene, Cell)
     assert len(scene.bodies) == len(scene.names) == count
     places = np.stack(scene.jittered(1, 0.2), axis=1)
@@ -78,9 +45,9 @@ def test_particles_fill_what_bodies_and_walls_leave(tmp_path, text, area, count)
     assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing  # a quarter, before the last sweeps
 
 
-def test_a_channel_without_bodies_is_what_it_was(tmp_path):
-    config = loaded(tmp_path, CHANNEL, "bodies=[]")
-    assert type(scene_of(config)) is Channel
+def test_a_channel_without_bodies_is_what_it_was(load_flow, tmp_path):
+    config = load_flow(CHANNEL, "bodies=[]")
+    assert type(scenes.of(config)) is Channel
     assert config.parallel
     assert "bodies" not in config.resolved_yaml()
     path = tmp_path / "case.yaml"
@@ -91,36 +58,37 @@ def test_a_channel_without_bodies_is_what_it_was(tmp_path):
     assert ran.stdout.strip() == "[]"
 
 
-def test_a_channel_with_bodies_is_two_dimensional(tmp_path):
-    config = loaded(tmp_path, CHANNEL)
+def test_a_channel_with_bodies_is_two_dimensional(load_flow, tmp_path):
+    config = load_flow(CHANNEL)
     assert not config.parallel
-    scene = scene_of(config)
+    scene = scenes.of(config)
     assert [name for name, _ in scene.walls] == ["top", "bottom"]
     assert scene.names == ("", "_bottom", "_top")
     assert scene.reference_velocity == 1.0
     assert scene.reference_length == pytest.approx(0.4)
-    assert loaded(tmp_path, config.resolved_yaml()) == config
+    (tmp_path / "again.yaml").write_text(config.resolved_yaml())
+    assert load(tmp_path / "again.yaml") == config
 
 
-def test_what_a_config_has_of_what_it_needs_is_stated(tmp_path):
-    lines = dict(scene_of(loaded(tmp_path, CHANNEL)).parameters())
+def test_what_a_config_has_of_what_it_needs_is_stated(load_flow):
+    lines = dict(scenes.of(load_flow(CHANNEL)).parameters())
     assert lines["smallest radius"] == "0.2 m, 4.8 spacings (at least 2, a circle 2.5; resolved from 3 on)"
     assert lines["narrowest gap"] == "0.3 m, 7.2 spacings (at least 2; resolved from 3 on)"
 
 
 @pytest.mark.parametrize(("viscosity", "scale"), [(0.5, 2.0 * 3.0 * (2.0 - math.pi / 16)), (100.0, 200.0)])
-def test_forces_are_measured_by_what_drives_or_by_viscosity(tmp_path, viscosity, scale):
+def test_forces_are_measured_by_what_drives_or_by_viscosity(load_flow, viscosity, scale):
     """Of a fluid of density 2 under an acceleration of 3 in a cell of area 2, and of a speed of 1."""
     changes = "drive.acceleration=3.0", "geometry.length=2.0", "reference={velocity: 1.0}"
-    scene = scene_of(loaded(tmp_path, LATTICE, *changes, f"fluid.kinematic_viscosity={viscosity}"))
+    scene = scenes.of(load_flow(LATTICE, *changes, f"fluid.kinematic_viscosity={viscosity}"))
     assert scene.force_scale == pytest.approx(scale, rel=1e-9)
 
 
 @pytest.mark.parametrize("fraction", SANGANI_ACRIVOS)
-def test_the_driven_velocity_is_of_the_size_of_the_true_one(tmp_path, fraction):
+def test_the_driven_velocity_is_of_the_size_of_the_true_one(load_flow, fraction):
     # within a factor of 4 in slow flow: steps refer to half of it or to the true one, whichever is larger
     radius = math.sqrt(fraction / math.pi)
-    scene = scene_of(loaded(tmp_path, LATTICE, f"bodies=[{{centre: [0.5, 0.5], radius: {radius}}}]"))
+    scene = scenes.of(load_flow(LATTICE, f"bodies=[{{centre: [0.5, 0.5], radius: {radius}}}]"))
     true = scene.acceleration / (scene.kinematic_viscosity * SANGANI_ACRIVOS[fraction])
     assert 0.25 < scene.reference_velocity / true < 4.0
 
@@ -131,20 +99,20 @@ def snapshot_of(scene, u, v, t=0.0):
     return Snapshot(t, 0, x, y, u(x, y), v(x, y), zero, zero)
 
 
-def test_the_mean_velocity_counts_what_is_solid(tmp_path):
+def test_the_mean_velocity_counts_what_is_solid(load_flow):
     body = "bodies=[{centre: [0.9, 0.1], radius: 0.25, motion: {velocity: [3.0, 1.0], angular_velocity: 2.0}}]"
-    scene = scene_of(loaded(tmp_path, LATTICE, body))
+    scene = scenes.of(load_flow(LATTICE, body))
     snapshot = snapshot_of(scene, lambda x, y: 3.0 + 0 * x, lambda x, y: 1.0 + 0 * x)
     mean = cell_mean(scene, snapshot)
     # the body turns about its centre: nothing on average, but for the nodes of the lattice, 1/32 apart
     assert mean == pytest.approx([3.0, 1.0], abs=2e-3)
 
 
-def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path):
+def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(load_flow):
     # u = r^2 - a^2 around a cylinder, in a cell of side 2; left are errors of the fits at the edges of the cell,
     # where u has kinks, and of the lattice of nodes at the cylinder
     changes = ["geometry={length: 2.0, height: 2.0}", "bodies=[{centre: [1.0, 1.0], radius: 0.5}]"]
-    scene = scene_of(loaded(tmp_path, LATTICE, *changes, "discretisation.particles_across=48"))
+    scene = scenes.of(load_flow(LATTICE, *changes, "discretisation.particles_across=48"))
     field = lambda x, y: np.hypot(x - 1.0, y - 1.0) ** 2 - 0.25  # noqa: E731
     x, y = np.meshgrid(*[(np.arange(2000) + 0.5) / 1000] * 2)
     exact = np.maximum(field(x, y), 0.0).mean()
@@ -152,25 +120,17 @@ def test_the_mean_velocity_does_not_depend_on_where_particles_are_many(tmp_path)
     assert cell_mean(scene, snapshot)[0] == pytest.approx(exact, rel=2e-3)
 
 
-def test_the_flow_rate_is_that_through_a_section_without_bodies(tmp_path):
+def test_the_flow_rate_is_that_through_a_section_without_bodies(load_flow):
     # bodies from x = 0.65 to 1.15 and from 0.1 to 0.3; the mean of u over every section is 1, by continuity
     bodies = "bodies=[{centre: [0.9, 0.3], radius: 0.25}, {centre: [0.2, 0.8], radius: 0.1}]"
-    scene = scene_of(loaded(tmp_path, LATTICE, bodies, "discretisation.particles_across=40"))
+    scene = scenes.of(load_flow(LATTICE, bodies, "discretisation.particles_across=40"))
     assert scene.open_section(0.0) == pytest.approx(0.475, rel=1e-12)
     k = 2.0 * np.pi
     u, v = (lambda x, y: 1.0 + np.sin(k * x) * np.cos(k * y)), (lambda x, y: -np.cos(k * x) * np.sin(k * y))
     # errors of quadratic fits are of the order (k spacing)^3 / 6 = 6e-4 of the wave, and cancel in its mean
     assert section_mean(scene, snapshot_of(scene, u, v), 0.475, degree=2) == pytest.approx(1.0, abs=6e-4)
     closed = "bodies=[{centre: [0.5, 0.3], radius: 0.25}, {centre: [0.0, 0.7], radius: 0.28}]"
-    assert scene_of(loaded(tmp_path, LATTICE, closed)).open_section(0.0) is None
-
-
-@pytest.mark.parametrize("periodic", [True, False])
-def test_the_rules_of_a_cell_have_weights_of_a_mean(periodic):
-    """Between walls those of Gauss: exact for polynomials of degree 9 with 5 places."""
-    places, weights = _rule(5, periodic)
-    moments = [weights @ places**power for power in range(2 if periodic else 10)]
-    assert moments == pytest.approx([1.0 / (power + 1) for power in range(len(moments))], rel=1e-13)
+    assert scenes.of(load_flow(LATTICE, closed)).open_section(0.0) is None
 
 
 def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
@@ -214,22 +174,22 @@ def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
     assert found["steady_reason"] == "the history has too few times"
 
 
-def test_a_movie_shows_the_distance_of_two_free_bodies(tmp_path):
+def test_a_movie_shows_the_distance_of_two_free_bodies(load_flow):
     """Through the periodic side: they are 0.4 apart there, 1.1 in the box."""
     free = [f"{{centre: [{x}, 0.5], radius: 0.125, motion: free}}" for x in (0.2, 1.3)]
-    scene = scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{', '.join(free)}]"))
+    scene = scenes.of(load_flow(CHANNEL, f"bodies=[{', '.join(free)}]"))
     series = scene.movie_series()
     assert series.measure(SimpleNamespace(bodies=Bodies.at(0.0, scene.bodies))) == pytest.approx([0.4])
     assert (series.levels, series.level_name) == ([0.25], "in contact")
 
 
-def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(tmp_path):
+def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(load_flow):
     """In a flow of uniform shear: of stresslets 3 and 0.5, the torque 4, and the force 2 at 0.1 above mid-gap, and -7.
 
     The first body is free to turn and the second is held, by what the fluid and contact do not give.
     """
     free = "{centre: [0.4, 0.6], radius: 0.2, motion: free, force: [2.0, 0.0], torque: 4.0}"
-    scene = scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{free}, {{centre: [1.1, 0.4], radius: 0.2}}]"))
+    scene = scenes.of(load_flow(CHANNEL, f"bodies=[{free}, {{centre: [1.1, 0.4], radius: 0.2}}]"))
     loads, contact = np.zeros((2, 4, 4)), np.zeros((4, 4))
     loads[0, 0], loads[0, 1], contact[1] = [-5.0, 1.0, 9.0, 3.0], [6.0, 0.0, 2.0, 0.5], [1.0, 0.0, 1.5, 0.25]
     loads[0, 2:, 0] = [5.0, -4.0]  # bottom and top
@@ -241,10 +201,10 @@ def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(tmp_path):
     assert found[STRESS_BY_BODIES] == pytest.approx(scene.dynamic_viscosity * 1.0 + added / 1.5, rel=1e-12)
 
 
-def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
+def test_narrow_gaps_and_small_radii_are_not_resolved(load_flow):
     """At any time, in samples and pictures, be the layers as deep as they may."""
     wide, tight, small = (
-        scene_of(loaded(tmp_path, CHANNEL, f"bodies=[{{centre: [0.5, {height}], radius: {radius}}}]"))
+        scenes.of(load_flow(CHANNEL, f"bodies=[{{centre: [0.5, {height}], radius: {radius}}}]"))
         for height, radius in ((0.5, 0.2), (0.3, 0.2), (0.5, 2.8 / 24))
     )
     assert resolution(wide, 10.0) == (True, None)
@@ -265,39 +225,30 @@ def test_narrow_gaps_and_small_radii_are_not_resolved(tmp_path):
         assert not (label[:, :3] < 250).any()  # all of it has room
 
 
-@pytest.mark.parametrize(("across", "said"), [(40, "is 2 spacings; resolved from 3 on"), (60, None)])
-def test_corners_of_two_spacings_are_not_resolved(tmp_path, across, said):
-    """With 40 across drag was off by 6 %, and nothing said so."""
-    body = f"{SHARP[:-1]}, corner_radius: 0.05}}"
-    changes = f"bodies=[{body}]", f"discretisation.particles_across={across}"
-    resolved, reason = resolution(scene_of(loaded(tmp_path, CHANNEL, *changes)), 1.0)
-    assert (resolved, reason) == (said is None, said and f"the smallest radius of body {said}")
-
-
-def test_the_layer_in_front_of_a_body_stays_thin(tmp_path):
+def test_the_layer_in_front_of_a_body_stays_thin(load_flow):
     """Hiemenz: 99 % of the velocity at 2.4 sqrt(nu/a), a = 2 U/R; the smallest radius counts, the start comes first."""
-    scene = scene_of(loaded(tmp_path, CHANNEL, "fluid.kinematic_viscosity=0.005"))
+    scene = scenes.of(load_flow(CHANNEL, "fluid.kinematic_viscosity=0.005"))
     nu = scene.kinematic_viscosity
     front = 2.4 * math.sqrt(nu * 0.2 / 2.0)
     assert scene.thinnest_layer(1e3) == (pytest.approx(front), "the layer in front of a body")
     assert scene.thinnest_layer(0.01)[0] == pytest.approx(math.sqrt(0.01 * nu))
     text = f"the layer in front of a body is {front * 24:.2g} spacings thin; resolved from 2 spacings on"
     assert resolution(scene, 1e3) == (False, text)
-    turning = scene_of(loaded(tmp_path, REGION, "bodies=[]"))
+    turning = scenes.of(load_flow(REGION, "bodies=[]"))
     assert turning.thinnest_layer(1.0)[1] == "the layer at bodies and walls"
 
 
-def test_gaps_of_bodies_that_move_are_those_of_the_time(tmp_path):
+def test_gaps_of_bodies_that_move_are_those_of_the_time(load_flow):
     rising = "bodies=[{centre: [0.5, 0.5], radius: 0.2, motion: {velocity: [0.0, 0.2]}}]"
-    scene = scene_of(loaded(tmp_path, CHANNEL, rising))
+    scene = scenes.of(load_flow(CHANNEL, rising))
     # from a hundred points on the circle and a parabola: the fourth power of their distance; at 0.9 the gap is less
     # than three spacings, at 0.5 it is more, and not computed
     assert [scene.narrowest(t)[1][0] for t in (0.0, 0.9)] == pytest.approx([0.3, 0.12], rel=1e-6)
     assert scene.narrowest(0.5)[1][0] >= 0.2
 
 
-def test_divergent_velocities_are_not_resolved(tmp_path):
-    scene = scene_of(loaded(tmp_path, CHANNEL))
+def test_divergent_velocities_are_not_resolved(load_flow, tmp_path):
+    scene = scenes.of(load_flow(CHANNEL))
     snapshot = replace(snapshot_of(scene, lambda x, y: y, lambda x, y: 0 * x, 10.0), divergence=0.08)
     text = "the divergence is 0.08 of the velocity gradient; resolved up to 0.01"
     assert resolution(scene, 10.0, snapshot) == (False, text)
@@ -340,23 +291,10 @@ def test_movies_show_the_motion_that_a_case_is_about_and_its_cause(name, columns
     assert (scene.drive_shown[0], scene.drive_shown[2]) == drive
 
 
-@pytest.mark.parametrize(
-    ("name", "flow"),
-    [
-        ("cylinder_in_channel", "Cylinder in a channel"),
-        ("jeffery_orbit", "Free ellipse in a channel"),
-        ("drafting_kissing_tumbling", "Two free cylinders in a channel"),
-        ("suspension", "Suspension in a channel"),
-        ("turned_box", "Cylinder in a closed vessel"),
-        ("cylinder_lattice", "Cylinder in a periodic cell"),
-        ("falling_ball", "Free sphere in a tube"),
-        ("couette", "Plane Couette flow"),
-        ("poiseuille", "Plane Poiseuille flow"),
-        ("couette_poiseuille_backflow", "Plane Couette-Poiseuille flow"),
-        ("ringing_plate", "Plane shear under a given stress"),
-        ("oscillating_wall_fast", "Flow at an oscillating wall"),
-    ],
-)
+TITLES = parse((Path(__file__).parent / "data" / "titles.yaml").read_text(encoding="utf-8")).data
+
+
+@pytest.mark.parametrize(("name", "flow"), TITLES.items())
 def test_titles_name_the_flow(name, flow):
     config = load(CONFIGS / f"{name}.yaml")
     assert config.flow == flow

@@ -2,14 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from oracles.plane import Plane
 from polymer_laws import oldroyd_b
 
 from tisph import registry
 from tisph.config import load
-from tisph.exact import couette
 from tisph.geometry.motion import WallMotion
 from tisph.measures.flow import PolymerParameters
 from tisph.scenes.channel import Channel
@@ -28,8 +24,6 @@ WATER = {
     "rows": 50,
     "units": None,
 }
-START_UP = {"gap": 0.01, "kinematic_viscosity": 1e-6, "bottom": -0.001, "top": 0.005}
-HEIGHTS = np.linspace(0.0, 0.01, 21)
 
 
 @pytest.mark.parametrize(("state", "time"), [("rest", 0.0), ("developed", 0.0), ("exact", 3.0)])
@@ -65,62 +59,19 @@ def test_dimensionless_numbers():
     assert channel.dynamic_viscosity == pytest.approx(1e-3, rel=1e-15)
 
 
-def test_from_rest_the_exact_solution_is_the_start_up():
-    channel = Channel(**WATER)
-    assert np.array_equal(channel.exact_velocity(HEIGHTS, 1.8), couette.velocity(HEIGHTS, 1.8, **START_UP))
-    assert not channel.initial_velocity(HEIGHTS[1:-1]).any()
-
-
-def test_wall_shear_is_a_stress_and_late_equal_on_both_walls():
-    channel = Channel(**WATER)
-    # t* = 4: the slowest mode is exp(-39); 6e-4 = viscosity 1e-3 * 0.006 / 0.01
-    assert channel.exact_wall_shear(400.0) == pytest.approx((6e-4, 6e-4), rel=1e-14)
-
-
-def test_early_wall_shear_is_that_of_two_half_spaces():
-    channel = Channel(**WATER)
-    bottom, top = channel.exact_wall_shear(0.1)  # t* = 0.001: exp(-1/(4 t*)) = 3e-109
-    thickness = np.sqrt(np.pi * 1e-6 * 0.1)
-    assert (bottom, top) == pytest.approx((1e-3 * 0.001 / thickness, 1e-3 * 0.005 / thickness), rel=1e-14)
-
-
-def test_lattice_is_cell_centres_row_by_row_from_the_bottom():
-    x, y = Channel(**{**WATER, "spacing": 0.0025, "rows": 4, "columns": 8}).lattice()
-    assert x.shape == y.shape == (32,)
-    # one rounding of the product
-    assert x[:8] == pytest.approx(0.0025 * (np.arange(8) + 0.5), rel=1e-15)
-    assert np.all(y[:8] == y[0])
-    assert y[::8] == pytest.approx([0.00125, 0.00375, 0.00625, 0.00875], rel=1e-15)
-
-
-@settings(max_examples=30, deadline=None)
-@given(seed=st.integers(0, 2**32), jitter=st.floats(0, 0.499))
-def test_jittered_particles_stay_in_their_cells(seed, jitter):
-    channel = Channel(**WATER)
-    centres, positions = channel.lattice(), channel.jittered(seed, jitter)
-    for centre, position, size in zip(centres, positions, (0.02, 0.01), strict=True):
-        # rounding of positions up to 0.02
-        assert np.max(np.abs(position - centre)) <= jitter * 0.0002 + 1e-17
-        assert position.min() > 0
-        assert position.max() < size
-
-
 def test_jitter_is_uniform_and_belongs_to_its_seed():
     channel = Channel(**WATER)
     shift = (np.array(channel.jittered(7, 0.2)) - channel.lattice()) / 0.0002
     # 5000 uniform numbers in +-0.2: mean within 5 of its standard deviations 0.2/sqrt(3*5000)
     assert np.max(np.abs(shift.mean(axis=1))) < 0.0082
-    assert np.all(shift.max(axis=1) > 0.199)
-    assert np.all(shift.min(axis=1) < -0.199)
+    assert np.all((shift.max(axis=1) > 0.199) & (shift.max(axis=1) < 0.2 + 1e-12))
+    assert np.all((shift.min(axis=1) < -0.199) & (shift.min(axis=1) > -0.2 - 1e-12))
     assert np.array_equal(channel.jittered(7, 0.2), channel.jittered(7, 0.2))
     assert not np.array_equal(channel.jittered(7, 0.2), channel.jittered(8, 0.2))
     assert np.array_equal(channel.jittered(7, 0.0), channel.lattice())
-
-
-@pytest.mark.parametrize("jitter", [-0.1, 0.5, float("nan")])
-def test_jitter_that_leaves_the_cell_is_refused(jitter):
-    with pytest.raises(ValueError, match="jitter"):
-        Channel(**WATER).jittered(0, jitter)
+    for jitter in (-0.1, 0.5, float("nan")):
+        with pytest.raises(ValueError, match="jitter"):
+            channel.jittered(0, jitter)
 
 
 NU, GAP, DENSITY = 0.01, 1.0, 2.0
@@ -144,23 +95,6 @@ def make_channel(bottom=AT_REST, top=AT_REST, **changes):
         **changes,
     }
     return Channel(bottom=bottom, top=top, **numbers)
-
-
-def test_motion_of_a_wall():
-    t = np.linspace(0.0, 20.0, 7)
-    assert np.array_equal(WallMotion(0.5).velocity(t), np.full(7, 0.5))
-    assert not WallMotion(0.5).acceleration(t).any()
-    assert np.array_equal(SWINGING.velocity(t), 0.1 * np.cos(0.4 * t) - 0.3 * np.sin(0.4 * t))
-    change = SWINGING.velocity(t + 1e-3) - SWINGING.velocity(t - 1e-3)
-    # central difference: step^2 / 6 * 0.4^3 * 0.316 = 3.4e-9, rounding 1e-16 / 2e-3
-    assert np.allclose(SWINGING.acceleration(t), change / 2e-3, rtol=0, atol=3.5e-9)
-    assert (WallMotion(0.5).oscillates, SWINGING.oscillates) == (False, True)
-
-
-def test_penetration_depth():
-    # sqrt(2 * 0.01 / 2) = 0.1; a constant velocity goes all the way
-    assert WallMotion(1.0, 0.0, 2.0).penetration_depth(0.01) == pytest.approx(0.1, rel=1e-15)
-    assert WallMotion(1.0).penetration_depth(0.01) == np.inf
 
 
 def from_yaml(folder, *overrides):
@@ -266,21 +200,6 @@ def test_shear_at_the_walls_is_the_slope_of_the_velocity(channel):
         assert shear == pytest.approx(solvent * slope + channel.exact_polymer_stress(wall, t)[1], abs=2e-9)
 
 
-def test_a_flow_and_its_mirror_image():
-    """The walls exchanged: same velocities at mirrored heights, shear with the other sign."""
-    upright = make_channel(bottom=SWINGING, top=WallMotion(0.2), acceleration=0.01)
-    mirrored = make_channel(bottom=WallMotion(0.2), top=SWINGING, acceleration=0.01)
-    # rounding of gap - y
-    assert np.allclose(upright.exact_velocity(Y, 5.0), mirrored.exact_velocity(GAP - Y, 5.0), atol=1e-14)
-    bottom, top = mirrored.exact_wall_shear(5.0)
-    assert upright.exact_wall_shear(5.0) == pytest.approx((-top, -bottom), rel=1e-12)
-
-
-def test_couette_poiseuille_is_the_sum_of_both():
-    both = Plane(GAP, NU).fields(Y, 5.0, top=0.25, acceleration=-0.02)[0]
-    assert np.allclose(FLOWS["backflow"].exact_velocity(Y, 5.0), both, rtol=0, atol=1e-11)
-
-
 @pytest.mark.parametrize("fluid", [{}, POLYMER], ids=["newtonian", "polymer"])
 def test_a_stopped_wall_goes_from_the_old_flow_to_the_new(fluid):
     settings = {"acceleration": 0.01, "initial_state": "developed", **fluid}
@@ -306,26 +225,14 @@ def test_an_exact_start_takes_up_the_flow_that_started_at_zero(fluid):
         assert np.array_equal(late.exact_polymer_stress(Y, late.start_time), from_zero.exact_polymer_stress(Y, 3.0))
 
 
-def test_a_developed_flow_stays_what_it_is():
+def test_developed_flow_is_steady_or_periodic():
     channel = make_channel(top=WallMotion(0.25), acceleration=-0.02, initial_state="developed")
     steady = 0.25 * Y - Y * (1 - Y)
-    assert np.allclose(channel.exact_velocity(Y, 7.0), steady, rtol=0, atol=1e-15)
-    assert channel.exact_velocity(Y[:, None], np.arange(3.0)).shape == (21, 3)
-    # viscosity 0.02 * slopes 0.25 -+ 1
-    # polynomials are differentiated on elements a thousandth of the gap wide: 1e-16 / 1e-3
-    assert channel.exact_wall_shear(2.0) == pytest.approx((-0.015, 0.025), rel=1e-10)
-
-
-def test_a_swinging_wall_has_its_periodic_flow_when_developed():
+    assert np.allclose(channel.exact_velocity(Y[:, None], np.arange(3.0)), steady[:, None], rtol=0, atol=1e-15)
     periodic = make_channel(top=SWINGING, initial_state="developed")
     period = 2 * np.pi / 0.4
     # rounding of the phase, 1e-16 * 0.4 * 16 per radian
-    assert np.allclose(
-        periodic.initial_velocity(Y),
-        periodic.exact_velocity(Y, period),
-        rtol=0,
-        atol=1e-15,
-    )
+    assert np.allclose(periodic.initial_velocity(Y), periodic.exact_velocity(Y, period), rtol=0, atol=1e-15)
     assert periodic.initial_velocity(Y)[-4:-1].any()
     assert not make_channel(top=SWINGING).initial_velocity(Y)[:-1].any()
 
@@ -339,20 +246,7 @@ def test_polymer_stress_from_rest_and_developed():
     assert np.allclose(normal, 2 * 10.0 * DENSITY * 0.008 * 0.25, rtol=1e-12, atol=0)
 
 
-OIL = {
-    "gap": 0.5,
-    "length": 1.0,
-    "density": 2.0,
-    "kinematic_viscosity": 0.5,
-    "bottom": WallMotion(0.0),
-    "top": WallMotion(1.0),
-    "initial_state": "rest",
-    "start_time": 0.0,
-    "spacing": 0.01,
-    "columns": 100,
-    "rows": 50,
-    "units": None,
-}
+OIL = {"gap": 0.5, "kinematic_viscosity": 0.5, "top": WallMotion(1.0), "spacing": 0.01, "columns": 100}
 UNIT_Y = np.linspace(0.0, 0.5, 21)
 
 
@@ -362,7 +256,7 @@ def rheology(name, **numbers):
 
 def test_giesekus_has_all_stresses_in_the_units_of_the_config():
     liquid = rheology("giesekus", relaxation_time=0.4, solvent_fraction=0.2, mobility=0.3)
-    channel = Channel(**OIL, polymer=PolymerParameters(0.4, 0.2), rheology=liquid)
+    channel = make_channel(**OIL, polymer=PolymerParameters(0.4, 0.2), rheology=liquid)
     assert not channel.exact_polymer_stress(UNIT_Y, 0.0)[0].any()
     end = 30.0
     rate = 1.0 / 0.5
@@ -385,7 +279,7 @@ def test_a_flow_of_several_modes_and_one_that_stops():
         "polymer": PolymerParameters(0.4, 0.2),
     }
     one = rheology("oldroyd_b", relaxation_time=0.4, solvent_fraction=0.2)
-    solved, closed = Channel(**moving, rheology=both), Channel(**moving, rheology=one)
+    solved, closed = make_channel(**moving, rheology=both), make_channel(**moving, rheology=one)
     scale = np.abs(closed.exact_polymer_stress(UNIT_Y, 0.0)).max()
     for t in (0.01, 0.3):
         # the accuracy of tisph.exact.start_up
@@ -396,7 +290,7 @@ def test_a_flow_of_several_modes_and_one_that_stops():
 
 def test_an_inelastic_fluid():
     liquid = rheology("power_law", index=0.8, reference_rate=2.0, least_rate=1e-3)
-    channel = Channel(**OIL, rheology=liquid)
+    channel = make_channel(**OIL, rheology=liquid)
     # at the reference rate the viscosity is the fluid's; least rate over reference rate, squared: 3e-7
     assert channel.exact_wall_shear(30.0) == pytest.approx((2.0 * 0.5 * 2.0,) * 2, rel=1e-6)
     assert np.allclose(channel.exact_velocity(UNIT_Y, 30.0), 2.0 * UNIT_Y, atol=1e-8)

@@ -7,34 +7,23 @@ import numpy as np
 import pytest
 from report_scene import Drawn, make_video
 
-from tisph.config import load
+from tisph import scenes
 from tisph.geometry.body import smallest_gap
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.report.plots import history_figure, profile_figure
-from tisph.scenes.eccentric_annulus import LOADS, Scene
+from tisph.scenes.eccentric_annulus import LOADS
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
 
-GOOD = """
-scene: eccentric_annulus
-fluid: {density: 2.0, kinematic_viscosity: 10.0}
-geometry: {inner_radius: 1.0, outer_radius: 2.0, eccentricity: 0.5}
-walls: {inner: {angular_velocity: 0.4}, outer: {angular_velocity: -0.1}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 16}
-time: {end: 0.5}
-"""
 TIMES = np.linspace(0.0, 0.5, 101)
 STEADY = np.full((101, 5), 0.03)
 
 
 @pytest.fixture
-def case(tmp_path):
+def case(load_flow):
     """Return a function that gives the scene of the case with overrides."""
-    path = tmp_path / "case.yaml"
-    path.write_text(GOOD)
-    return lambda *overrides: Scene.from_config(load(path, overrides))
+    return lambda *overrides: scenes.of(load_flow("bearing", *overrides))
 
 
 def snapshot_of(scene, t=0.5, loads=(0.0, 0.0, 0.0, 0.0)):

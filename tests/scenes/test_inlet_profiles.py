@@ -1,22 +1,16 @@
 """Profiles of an inlet: mean, slope, and developed flow against the exact flow of a channel without ends."""
 
+import functools
+
 import numpy as np
 import pytest
 
 from tisph import scenes
-from tisph.config import load
 from tisph.exact._fluids import fluid_of
 from tisph.exact.uniform_shear import UniformShear
 from tisph.scenes._ends import profile_of
 
 GAP, VELOCITY = 2.0, 0.5
-CHANNEL = f"""
-scene: channel
-fluid: {{density: 1.5, kinematic_viscosity: 0.05}}
-geometry: {{gap: {GAP}, length: 4.0}}
-discretisation: {{particles_across: 16}}
-time: {{end: 1.0}}
-"""
 ENDS = f"ends={{left: {{type: inlet, velocity: {VELOCITY}}}, right: {{type: outlet}}}}"
 FLUIDS = {
     "carreau_yasuda": "time: 5.0, index: 0.5",
@@ -27,15 +21,9 @@ TABLE = "{heights: [0.0, 0.3, 1.0, 1.5, 2.0], velocities: [0.0, 2.0, 5.0, 4.0, 1
 
 
 @pytest.fixture
-def loaded(tmp_path):
+def loaded(load_flow):
     """Config of a channel with overrides."""
-
-    def loaded_with(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CHANNEL)
-        return load(path, overrides)
-
-    return loaded_with
+    return functools.partial(load_flow, "wide_channel")
 
 
 def fluid(name):
@@ -54,10 +42,8 @@ def test_infinite_numbers_behind_a_jump_at_a_wall_are_left_out(loaded, profile, 
     for bodies, forces in (((), ["bottom", "top"] if not infinite else []), ((body,), [""])):
         ends = f"ends={{left: {{type: inlet, velocity: {VELOCITY}, profile: {profile}}}, right: {{type: outlet}}}}"
         scene = scenes.of(loaded(ends, *bodies))
-        series, loads = (
-            scene.time_series(),
-            [f"{kind}_{name}".strip("_") for name in forces for kind in ("drag", "lift")],
-        )
+        series = scene.time_series()
+        loads = [f"{kind}_{name}".strip("_") for name in forces for kind in ("drag", "lift")]
         drop = [] if infinite else ["pressure_drop"]
         assert series.columns == [*loads, "inflow", "outflow", *drop]
         assert len(series.sizes) == len(series.panels) == len(series.columns)
@@ -127,13 +113,6 @@ def test_developed_profile_is_the_exact_flow_of_a_channel(loaded, name):
     y = np.linspace(0.0, GAP, 101)
     # both have errors of some 1e-8, see exact/start_up.py and RATES of exact/uniform_shear.py
     assert np.abs(profile.value(y) - channel.exact_velocity(y, 0.0) / VELOCITY).max() < 1e-7
-
-
-@pytest.mark.parametrize("law", ["newtonian", "oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5"])
-def test_developed_flow_of_linear_fluids_is_a_parabola(loaded, law):
-    profile = profile_of(loaded(ENDS, f"fluid.rheology={{type: {law}}}"), 0.0, GAP)
-    y = np.linspace(0.0, GAP, 11)
-    assert profile.value(y) == pytest.approx(6.0 * y * (GAP - y) / GAP**2)
 
 
 def test_a_table_goes_through_its_points(loaded):

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from flows import flow_text
 from PIL import Image
 
 from tisph.config import load
@@ -14,14 +15,7 @@ from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.shear_layer import Scene
 from tisph.simulation.state import start_snapshot, start_values
 
-GOOD = """\
-scene: shear_layer
-fluid: {density: 2.0, kinematic_viscosity: 1.0e-3}
-geometry: {length: 2.0}
-initial: {velocity: 0.5, thickness: 0.08}
-discretisation: {particles_across: 60}
-time: {end: 4.0}
-"""
+GOOD = flow_text("shear_layers")
 
 
 @pytest.fixture

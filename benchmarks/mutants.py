@@ -39,7 +39,7 @@ TWO_DIMENSIONAL = ["schemes/test_" + name for name in (*TWO_DIMENSIONAL, "channe
 POLYMER = ["schemes/test_channel_polymer", "schemes/test_viscoelastic_stress*"]
 LAYERS = "schemes/test_estimate_layers"
 CHOICE = ["schemes/test_auto", "schemes/test_protocol", "schemes/test_step_control"]
-WALLS = ["walls/test_walls", "walls/test_wall_treatments"]
+WALLS = ["walls/test_wall_treatments"]
 TESTS = {
     "exact": ["exact/test_*", "scenes/test_channel"],
     "exact/couette": ["exact/test_couette", "scenes/test_channel"],
@@ -99,7 +99,6 @@ TESTS = {
     "schemes/implicit/planar/viscoelastic_stress": ["schemes/test_log_conformation", *POLYMER],
     "schemes/implicit/planar/open_ends": [
         "schemes/test_parts_of_open_ends",
-        "schemes/test_passages",
         "schemes/test_open_ends",
         "scenes/test_outline",
     ],

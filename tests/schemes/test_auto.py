@@ -3,14 +3,12 @@
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from tisph import cli, schemes
+from tisph import schemes
 from tisph.config import load
 from tisph.errors import ConfigError
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-VORTEX = CONFIGS / "taylor_green.yaml"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.5}"
 
 
@@ -25,36 +23,29 @@ def resolved(case):
 
 
 def test_a_config_without_a_scheme_gets_the_implicit_one_at_balanced_accuracy(resolved):
+    assert resolved("time.tolerance=1e-3")[0].time.tolerance == 1e-3  # goes before that of the scheme
     config, reason = resolved()
     assert (config.scheme.type, config.scheme.operators.order) == ("implicit", 4)
     assert reason.startswith("implicit, order 4: balanced accuracy")
 
 
-@pytest.mark.parametrize(
-    ("liquid", "accuracy", "steps"),
-    [  # as docs/theory/implicit.md says them
-        ((), "fast", "tolerance 0.0003 and strain 1.5"),
-        ((), "balanced", "tolerance 3e-05 and strain 0.7"),
-        ((), "high", "tolerance 3e-07 and strain 0.5"),
-        ((POLYMER,), "fast", "tolerance 0.0001 and strain 1.5"),
-        ((POLYMER,), "balanced", "tolerance 1e-05 and strain 0.7"),
-        ((POLYMER,), "high", "tolerance 3e-07 and strain 0.5"),
-    ],
-)
-def test_the_steps_are_those_of_the_documentation(resolved, liquid, accuracy, steps):
-    assert resolved(*liquid, f"scheme={{type: auto, accuracy: {accuracy}}}")[1].endswith(f"accuracy, {steps} a step")
+STEPS = [  # as docs/theory/implicit.md and two-dimensional.md say them
+    ("couette", (), "fast", "tolerance 0.0003 and strain 1.5"),
+    ("couette", (), "balanced", "tolerance 3e-05 and strain 0.7"),
+    ("couette", (), "high", "tolerance 3e-07 and strain 0.5"),
+    ("couette", (POLYMER,), "fast", "tolerance 0.0001 and strain 1.5"),
+    ("couette", (POLYMER,), "balanced", "tolerance 1e-05 and strain 0.7"),
+    ("couette", (POLYMER,), "high", "tolerance 3e-07 and strain 0.5"),
+    ("taylor_green", (), "fast", "tolerance 9.6e-06 and Courant number 2"),
+    ("taylor_green", (), "balanced", "tolerance 9.6e-07 and Courant number 1"),
+    ("taylor_green", (), "high", "tolerance 3e-07 and Courant number 0.15"),
+]
 
 
-@pytest.mark.parametrize(
-    ("accuracy", "steps"),
-    [  # as docs/theory/two-dimensional.md says them
-        ("fast", "tolerance 9.6e-06 and Courant number 2"),
-        ("balanced", "tolerance 9.6e-07 and Courant number 1"),
-        ("high", "tolerance 3e-07 and Courant number 0.15"),
-    ],
-)
-def test_steps_of_two_dimensional_flows_are_those_of_the_documentation(accuracy, steps):
-    _, reason = schemes.resolve(load(VORTEX, (f"scheme={{type: auto, accuracy: {accuracy}}}",)))
+@pytest.mark.parametrize(("name", "liquid", "accuracy", "steps"), STEPS)
+def test_the_steps_are_those_of_the_documentation(name, liquid, accuracy, steps):
+    chosen = (*liquid, f"scheme={{type: auto, accuracy: {accuracy}}}")
+    _, reason = schemes.resolve(load(CONFIGS / f"{name}.yaml", chosen))
     assert reason.endswith(f"accuracy, {steps} a step")
 
 
@@ -65,10 +56,6 @@ def test_steps_of_free_bodies_do_not_depend_on_particles_across(liquid, toleranc
         finer = (f"discretisation.particles_across={number}", "initial.state=rest", *liquid)
         config, _ = schemes.resolve(load(CONFIGS / "free_cylinder.yaml", finer))
         assert config.time.tolerance == tolerance
-
-
-def test_a_tolerance_of_the_config_goes_before(resolved):
-    assert resolved("time.tolerance=1e-3")[0].time.tolerance == 1e-3
 
 
 @pytest.mark.parametrize(
@@ -90,21 +77,9 @@ def test_where_the_implicit_scheme_cannot_serve_the_explicit_one_is_taken(resolv
         resolved(override, "time.tolerance=1e-5")
 
 
-def test_a_scheme_map_without_a_type_is_the_explicit_one(resolved):
-    assert resolved("scheme={operators: standard}")[0].scheme.operators == "standard"
-
-
 def test_a_given_scheme_is_kept(resolved):
+    assert resolved("scheme={operators: standard}")[0].scheme.operators == "standard"  # that is wcsph, too
     config, reason = resolved("scheme={type: wcsph}")
     assert (config.scheme.type, reason) == ("wcsph", "wcsph")
     with pytest.raises(ConfigError, match=r"time\.tolerance = 1e-05: is for scheme implicit"):
         resolved("scheme={type: wcsph}", "time.tolerance=1e-5")
-
-
-def test_check_names_the_scheme_and_estimates_error_and_time(couette):
-    result = CliRunner().invoke(cli.app, ["check", str(couette)])
-    assert result.exit_code == 0, result.output
-    lines = {line.split("  ")[1].strip(): line for line in result.stdout.splitlines()[1:]}
-    assert "implicit, order 4" in lines["scheme"]
-    assert {"run time", "at t = 2 s", "steps"} <= lines.keys()
-    assert not {"Mach number", "sound speed c"} & lines.keys()

@@ -2,65 +2,14 @@
 
 import numpy as np
 import pytest
-from case_from_text import started
+from case_from_text import to_end as run
 
-import tisph
-from tisph.errors import ConfigError
 from tisph.exact.taylor_vortices import TaylorVortices
 from tisph.measures.metrics import relative_error
 from tisph.measures.resolution import resolution
 from tisph.runtime import view
-from tisph.studies.expressions import merged
 
 pytestmark = pytest.mark.taichi
-
-PIPE = """
-scene: pipe
-fluid: {density: 1.0, kinematic_viscosity: 1.0}
-geometry: {radius: 1.0, length: 1.5}
-drive: {acceleration: 4.0}
-initial: {jitter: 0.3}
-discretisation: {particles_across: 12}
-time: {end: 0.1}
-runtime: {threads: 1}
-"""
-
-VORTICES = """
-scene: taylor_couette
-fluid: {density: 1.0, kinematic_viscosity: 0.01334686}
-geometry: {inner_radius: 1.0, outer_radius: 2.0, length: 1.98772}
-walls: {inner: {angular_velocity: 1.0}}
-initial: {state: developed, disturbance: 1.0e-3, jitter: 0.2}
-discretisation: {particles_across: 16}
-time: {end: 32.0}
-runtime: {threads: 1}
-"""
-
-SPHERE = """
-scene: sphere_in_tube
-fluid: {density: 1.0, kinematic_viscosity: 100.0}
-geometry: {tube_radius: 1.0, sphere_radius: 0.5, length: 2.5}
-sphere: {velocity: 1.0}
-discretisation: {particles_across: 12}
-time: {end: 0.004}
-runtime: {threads: 1}
-"""
-
-
-@pytest.fixture
-def make(tmp_path):
-    """Return a function that builds scene and scheme from a config and changes of it."""
-
-    def build(text, *changes):
-        return started(tmp_path, text, changes)
-
-    return build
-
-
-def run(scheme):
-    while not scheme.finished:
-        scheme.advance()
-    return scheme.snapshot()
 
 
 def applied(scheme, name, values):
@@ -77,9 +26,9 @@ def places(scheme):
     return x, y + scheme.problem.origin[1]
 
 
-def test_operators_are_exact_for_even_polynomials_near_the_axis(make):
+def test_operators_are_exact_for_even_polynomials_near_the_axis(start_flow):
     """In x and s = r^2/2 to the order of the basis there; rounding errors over the squared spacing are left."""
-    _, scheme = make(PIPE)
+    _, scheme = start_flow("pipe")
     x, r = places(scheme)
     inside = (np.abs(x[: scheme.problem.n_fluid] - 0.75) < 0.2) & (r[: scheme.problem.n_fluid] < 0.4)
     assert r[: scheme.problem.n_fluid].min() < 0.6 * scheme.problem.spacing
@@ -94,37 +43,29 @@ def test_operators_are_exact_for_even_polynomials_near_the_axis(make):
         assert np.abs(applied(scheme, "laplacian", values) - laplacian[fluid])[inside].max() < 1e-8
 
 
-def test_only_a_newtonian_fluid_starts_in_periodic_pipe_flow(make):
-    polymer = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.1, solvent_fraction: 0.5}"
-    drive = "drive={acceleration: 4.0, amplitude: 36.0, angular_frequency: 36.0}"
-    with pytest.raises(ConfigError, match=r"initial\.state = .*: no periodic flow is built in"):
-        make(PIPE, polymer, drive, "initial={state: developed}")
-
-
-@pytest.mark.parametrize("steady", ["", "acceleration: 4.0, "])
-def test_a_pressure_gradient_that_oscillates_drives_a_pipe(make, steady):
+def test_a_pressure_gradient_that_oscillates_drives_a_pipe(start_flow):
     """Womersley's flow for half a period; 20 across have an rms error of 5e-5 (`tisph verify axisymmetric`).
 
-    A steady part adds Poiseuille flow, whose error is smaller.
+    The steady part adds Poiseuille flow, whose error is smaller.
     """
-    drive = f"drive={{{steady}amplitude: 36.0, angular_frequency: 36.0, phase: cos}}"
-    scene, scheme = make(PIPE, drive, "initial={state: developed, jitter: 0.2}", "time.end=0.0872665")
+    drive = "drive={acceleration: 4.0, amplitude: 36.0, angular_frequency: 36.0, phase: cos}"
+    scene, scheme = start_flow("pipe", drive, "initial={state: developed, jitter: 0.2}", "time.end=0.0872665")
     found = run(scheme)
     errors = found.u - scene.exact("u", found.x, found.y, found.t)
     assert np.sqrt(np.mean(errors**2)) < 5e-4 * scene.reference_velocity  # a spacing 20/12 as large, fourth power
 
 
-def test_circular_couette_flow_between_cylinders_is_nearly_exact(make):
+def test_circular_couette_flow_between_cylinders_is_nearly_exact(start_flow):
     """log r is a polynomial in the coordinate of the operators there, 1/r^2 an entire function."""
-    _, scheme = make(VORTICES)
+    _, scheme = start_flow("taylor_vortices")
     r, fluid = places(scheme)[1], slice(scheme.problem.n_fluid)
     assert np.abs(applied(scheme, "laplacian", np.log(r))).max() < 1e-9
     assert np.abs(applied(scheme, "laplacian", r**-2) - 4 * r[fluid] ** -4).max() < 1e-3
 
 
-def test_pipe_starts_as_exactly_on_the_axis_as_elsewhere(make):
+def test_pipe_starts_as_exactly_on_the_axis_as_elsewhere(start_flow):
     """20 across the bound is 5e-5 from t = 0.2 on; of fourth order that is 4e-4 here."""
-    scene, scheme = make(PIPE)
+    scene, scheme = start_flow("pipe")
     found = run(scheme)
     errors = np.abs(found.u - scene.exact("u", found.x, found.y, found.t))
     assert errors.max() < 3e-4
@@ -133,9 +74,11 @@ def test_pipe_starts_as_exactly_on_the_axis_as_elsewhere(make):
     assert scheme.order_reduced == scheme.singular == 0
 
 
-def test_fluid_turns_as_a_solid_with_the_pressure_of_that(make):
+def test_fluid_turns_as_a_solid_with_the_pressure_of_that(start_flow):
     """Residuals of 1e-6, the least that linear solvers are asked for, are left in the pressure."""
-    _, scheme = make(PIPE, "drive.acceleration=0", "walls.outer.angular_velocity=2.0", "initial.state=developed")
+    _, scheme = start_flow(
+        "pipe", "drive.acceleration=0", "walls.outer.angular_velocity=2.0", "initial.state=developed"
+    )
     found = run(scheme)
     pressure = 2.0 * found.y**2
     assert np.abs(found.w - 2.0 * found.y).max() < 1e-7
@@ -143,17 +86,17 @@ def test_fluid_turns_as_a_solid_with_the_pressure_of_that(make):
     assert max(np.abs(found.u).max(), np.abs(found.v).max()) < 1e-6
 
 
-def test_uniform_flow_stays_and_counts_as_resolved(make):
+def test_uniform_flow_stays_and_counts_as_resolved(start_flow):
     """Linear systems leave 1e-7 of the velocity. There is no gradient that a divergence could be compared with."""
-    scene, scheme = make(PIPE, "drive.acceleration=0", "walls.outer.velocity=1", "initial.state=developed")
+    scene, scheme = start_flow("pipe", "drive.acceleration=0", "walls.outer.velocity=1", "initial.state=developed")
     snapshot = run(scheme)
     assert np.abs(snapshot.u - 1.0).max() < 1e-6
     assert resolution(scene, snapshot.t, snapshot) == (True, None)
 
 
-def test_taylor_vortices_grow_as_fast_as_they_should(make):
+def test_taylor_vortices_grow_as_fast_as_they_should(start_flow):
     """20 particles across the gap have errors of 5e-4 (`tisph verify axisymmetric`); with 16 disorder counts more."""
-    scene, scheme = make(VORTICES)
+    scene, scheme = start_flow("taylor_vortices")
     scheme.set_targets([16.0, 32.0])
     energies = []
     while not scheme.finished:
@@ -166,76 +109,47 @@ def test_taylor_vortices_grow_as_fast_as_they_should(make):
     assert rate == pytest.approx(exact.growth_rate, rel=2e-2)
 
 
-def test_a_free_sphere_in_fluid_at_rest_stays_there(make):
-    changes = "sphere={free: true, density: 3.0, force: 1.0e-9}", "fluid.kinematic_viscosity=1.0", "time.end=0.01"
-    _, scheme = make(SPHERE, *changes)
-    found = run(scheme)
-    assert abs(found.bodies.velocity[0, 0]) < 1e-10  # force times time over mass: 1e-11/1.5
-    assert found.bodies.velocity[0, 0] > 0.0
-
-
-def test_flow_behind_a_sphere_keeps_free_of_divergence(make):
-    """At Re = 50, with 8 spacings to the radius, it grew near the axis, e-fold in 0.05, until 1000 U."""
-    changes = ("fluid.kinematic_viscosity=0.02", "geometry.length=4.0", "discretisation.particles_across=16")
-    _, scheme = make(SPHERE, *changes, "time.end=0.25")
-    assert np.abs(run(scheme).u).max() < 1.2
-    assert scheme.residual < 0.05
-
-
-COMMON = {"name": "axisymmetric", "initial": {"jitter": 0.2, "seed": 0}, "runtime": {"threads": 1}}
-
-SWIRL = {
-    **COMMON,
-    "scene": "pipe",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
-    "geometry": {"radius": 2.0, "inner_radius": 1.0, "length": 1.3},
-    "walls": {"inner": {"angular_velocity": 1.0}},
-    "discretisation": {"particles_across": 14},
-    "time": {"end": 0.5, "samples": [0.5]},
-}
-
-DRAGGED = {
-    **COMMON,
-    "scene": "sphere_in_tube",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 100.0},
-    "geometry": {"tube_radius": 1.0, "sphere_radius": 0.5, "length": 2.0},
-    "sphere": {"velocity": 1.0},
-    "discretisation": {"particles_across": 12},
-    "time": {"end": 0.004, "samples": [0.004]},
-}
-
-PAST = merged(
-    DRAGGED,
-    {"sphere": {"velocity": 0.0}, "drive": {"mean_velocity": 1.0}, "time": {"end": 0.1, "samples": [0.1]}},
-)
-
-
-def test_circular_couette_flow_is_swirl_with_its_torques():
-    with tisph.Simulation(SWIRL) as simulation:
-        simulation.run_until(0.5)
-        scene, snapshot = simulation.scene, simulation.scheme.snapshot()
+def test_circular_couette_flow_is_swirl_with_its_torques(start_flow):
+    between = "geometry={radius: 2.0, inner_radius: 1.0, length: 1.3}", "discretisation.particles_across=14"
+    turning = "walls.inner.angular_velocity=1.0", "drive.acceleration=0", "initial.jitter=0.2", "time.end=0.5"
+    scene, scheme = start_flow("pipe", *between, *turning)
+    snapshot = run(scheme)
     assert relative_error(scene, snapshot) < 1e-4  # 2e-5
     exact = scene.exact_loads(0.5)
     for torque, name in zip(snapshot.bodies.torque, ("torque_inner", "torque_outer"), strict=True):
         assert torque == pytest.approx(exact[name], rel=4e-4)  # 5e-5; at 20 across 1e-4, of fourth order 4e-4 here
 
 
-def test_drag_of_a_sphere_without_a_mean_pressure_gradient():
-    changes = {"closure": "periodic_pressure", "geometry": {"length": 4.0}, "discretisation": {"particles_across": 14}}
-    with tisph.Simulation(merged(DRAGGED, changes, {"time": {"end": 0.01, "samples": [0.01]}})) as simulation:
-        simulation.run_until(0.01)
-        scene, snapshot = simulation.scene, simulation.scheme.snapshot()
-    assert scene.diagnostics(snapshot, ())["drag_ratio"] == pytest.approx(2.334005, rel=3e-2)  # 2e-2; 2e-3 at 24
+def test_drag_of_a_sphere_without_a_mean_pressure_gradient(start_flow):
+    longer = "geometry.length=4.0", "discretisation.particles_across=14", "time.end=0.01"
+    scene, scheme = start_flow("sphere_in_tube", "closure=periodic_pressure", *longer)
+    drag = scene.diagnostics(run(scheme), ())["drag_ratio"]
+    assert drag == pytest.approx(2.334005, rel=3e-2)  # 2e-2; 2e-3 at 24
 
 
-def test_flow_past_a_sphere_keeps_its_mean_and_stays_above_the_axis():
+def test_flow_past_a_sphere_keeps_its_mean_and_stays_above_the_axis(start_flow):
     """Fluid comes to the axis behind the sphere and leaves it before the sphere, 1.2 spacings in the mean."""
-    with tisph.Simulation(merged(DRAGGED, PAST)) as simulation:
-        lowest = []
-        while not simulation.finished:
-            simulation.step()
-            lowest.append(simulation.scheme.snapshot().y.min())
-        scene, scheme = simulation.scene, simulation.scheme
-        mean = scene.diagnostics(scheme.snapshot(), ())["mean_velocity"]
+    changes = "sphere.velocity=0.0", "drive.mean_velocity=1.0", "geometry.length=2.0", "time.end=0.1"
+    (scene, scheme), lowest = start_flow("sphere_in_tube", *changes), []
+    while not scheme.finished:
+        scheme.advance()
+        lowest.append(scheme.snapshot().y.min())
     assert min(lowest) > 0.0
+    mean = scene.diagnostics(scheme.snapshot(), ())["mean_velocity"]
     assert abs(mean - 1.0) < 2e-5  # 4e-6 after the shift of the last step; steps may have errors of 2e-3 here
+
+
+def test_a_free_sphere_in_fluid_at_rest_stays_there(start_flow):
+    changes = "sphere={free: true, density: 3.0, force: 1.0e-9}", "fluid.kinematic_viscosity=1.0", "time.end=0.01"
+    _, scheme = start_flow("sphere_in_tube", *changes)
+    found = run(scheme)
+    assert abs(found.bodies.velocity[0, 0]) < 1e-10  # force times time over mass: 1e-11/1.5
+    assert found.bodies.velocity[0, 0] > 0.0
+
+
+def test_flow_behind_a_sphere_keeps_free_of_divergence(start_flow):
+    """At Re = 50, with 8 spacings to the radius, it grew near the axis, e-fold in 0.05, until 1000 U."""
+    changes = ("fluid.kinematic_viscosity=0.02", "geometry.length=4.0", "discretisation.particles_across=16")
+    _, scheme = start_flow("sphere_in_tube", *changes, "time.end=0.25")
+    assert np.abs(run(scheme).u).max() < 1.2
+    assert scheme.residual < 0.05

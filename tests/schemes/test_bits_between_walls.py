@@ -4,22 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flows import flow_text
 
 from tisph import config, registry, runtime, scenes
 from tisph.numerics import least_squares as operators
-from tisph.schemes.implicit.planar import wall_points
 from tisph.simulation.state import start_values
 
-LATTICE = """
-scene: lattice
-fluid: {density: 1.0, kinematic_viscosity: 0.02}
-geometry: {length: 1.0, height: 1.0}
-bodies: [{centre: [0.9, 0.5], radius: 0.2, motion: {velocity: [1.0, 0.0], angular_velocity: 2.0}}]
-initial: {jitter: 0.2}
-discretisation: {particles_across: 18}
-time: {end: 1.0}
-"""
-"""A cylinder that turns and moves across the edge of its cell."""
+LATTICE = flow_text("cylinder_crossing_a_cell")
 
 pytestmark = [pytest.mark.taichi, pytest.mark.other_program]
 
@@ -82,19 +73,3 @@ def test_one_and_two_threads_are_bitwise_reproducible(start, one, monkeypatch):
     for name in ("x", "y", "u", "v", "pressure", "force", "torque", "pressure_torque"):
         assert np.array_equal(one[name], two[name]), name
     assert np.abs(one["force"]).max() > 0.0 < one["t"]
-
-
-@pytest.mark.slow  # that of the box without walls is in test_two_dimensional.py
-def test_single_precision_gives_the_same_flow(start, monkeypatch):
-    """It has plain rows near curved walls, and so has double precision here.
-
-    Rounding of 6e-8 in the places, over a spacing of 1/14 or 1/18 and times the rows' largest entries, about 10.
-    Measured: velocities 2e-5, forces 1.3e-3, pressure 9e-3; these are divided by the short first steps.
-    """
-    monkeypatch.setattr(wall_points, "CURVED", -1.0)
-    single, double = (stepped(start(precision=precision)) for precision in ("f32", "f64"))
-    assert single["t"] == pytest.approx(double["t"], rel=1e-3)  # the step follows the error, which has its own rounding
-    for name in ("x", "y", "u", "v"):
-        assert np.abs(single[name] - double[name]).max() < 1e-4, name
-    for name, part in {"force": 1e-2, "pressure": 5e-2}.items():
-        assert np.abs(single[name] - double[name]).max() < part * np.abs(double[name]).max(), name

@@ -11,7 +11,6 @@ import pytest
 from implicit_case import IMPLICIT, SLOW
 from scipy.optimize import brentq
 
-from tisph.numerics.point_cloud import active
 from tisph.runtime import view
 from tisph.schemes._step_control import SAFETY
 from tisph.schemes.implicit.channel.stages import B_HAT, GAMMA, A, B
@@ -50,18 +49,6 @@ def test_virtual_ghosts_take_the_weighted_fit_at_their_mirror_points(make):
         moments = basis.T @ (weight[:, None] * basis)
         expected = np.linalg.solve(moments, basis.T @ (weight * values[near]))[0]
         assert view(ghosts.share)[row] @ values[near] == pytest.approx(expected, abs=1e-10)
-
-
-def test_virtual_ghosts_continue_the_lattice(make):
-    scheme = make("walls.treatment.type=virtual_image")
-    places = np.concatenate([active(scheme.particles.position), scheme.ghosts.part(view(scheme.points.position))])
-    x, y = ROWS * places.T - 0.5
-    layers = len(places) // ROWS
-    assert layers > ROWS
-    expected = np.arange(layers)[:, None] - (layers - ROWS) // 2, np.arange(ROWS)
-    order = np.lexsort([np.round(x, 6), np.round(y, 6)])
-    for found, exact in zip((y, x), np.broadcast_arrays(*expected), strict=True):
-        assert np.abs(found[order] - exact.ravel()).max() < 1e-12
 
 
 def one_step(make, *overrides, velocity=None):

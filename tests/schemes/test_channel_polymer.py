@@ -4,16 +4,16 @@ import functools
 
 import numpy as np
 import pytest
-from implicit_case import IMPLICIT, fix_steps, run, start_of_layers
+from case_from_text import to_end as run
+from flows import flow_text
+from implicit_case import IMPLICIT, channel_of, fix_steps, start_of_layers
 
-from tisph.scenes.channel import Channel
 from tisph.schemes.implicit.channel.models import ViscoelasticModel, conformation_excess
 
 pytestmark = pytest.mark.taichi
 
 LIQUID = "fluid={{density: 2.0, kinematic_viscosity: 1.0, rheology: {}}}"
 OLDROYD = LIQUID.format("{type: oldroyd_b, relaxation_time: 1.0, solvent_fraction: 0.1}")
-CARREAU = LIQUID.format("{type: carreau_yasuda, time: 1.0, index: 0.5}")
 GIESEKUS = LIQUID.format("{type: giesekus, relaxation_time: 1.0, solvent_fraction: 0.1, mobility: 0.3}")
 DRIVEN = ("walls.top.velocity=0.0", "drive.acceleration=4.0")
 
@@ -39,41 +39,26 @@ def test_the_order_in_the_spacing_is_that_of_the_rows(make):
     assert np.all(np.log2(found[0] / found[1]) > 3.5)
 
 
-@pytest.mark.parametrize("law", [pytest.param(law, marks=pytest.mark.slow) for law in (OLDROYD, CARREAU)] + [GIESEKUS])
-def test_steps_are_of_third_order_in_velocity_and_stress(make, law):
+def test_steps_are_of_third_order_in_velocity_and_stress(make):
     # a driven start without a jump; the truth is that of much shorter steps on the same lattice, to a 64th of the finer
     states = {}
     for length in (0.1, 0.05, 0.0125):
-        scheme = make(law, *DRIVEN, "time.end=0.8", "scheme.largest_strain=2.0")
+        scheme = make(GIESEKUS, *DRIVEN, "time.end=0.8", "scheme.largest_strain=2.0")
         fix_steps(scheme, length)
         last = run(scheme)
-        states[length] = [last.u] if last.stress_xy is None else [last.u, last.stress_xy, last.stress_xx]
+        states[length] = [last.u, last.stress_xy, last.stress_xx]
     for rough, fine, truth in zip(*states.values(), strict=True):
         # 8, less what the next order takes with steps of a tenth of the relaxation time
         assert np.linalg.norm(rough - truth) / np.linalg.norm(fine - truth) > 5.5
 
 
 FENE = LIQUID.format("{type: fene_p, relaxation_time: 1.0, solvent_fraction: 0.1, maximum_extension: 9.0}")
-MODES = (
-    "modes: [{relaxation_time: 1, fraction: 0.6}, {type: giesekus, relaxation_time: 0.2, mobility: 0.2, fraction: 0.3}]"
-)
-BOTH = LIQUID.format(f"{{type: multi_mode, solvent_fraction: 0.1, {MODES}}}")
 
 
-@pytest.mark.parametrize(
-    ("law", "start"),
-    [
-        (FENE, "initial={state: exact, time: 0.5}"),
-        pytest.param(  # two modes are in test_restart.py and rows of verify
-            BOTH, "initial.state=developed|walls.top.velocity_before=2.0", marks=pytest.mark.slow
-        ),
-    ],
-)
-def test_a_start_under_way_has_the_conformation_of_each_mode(make, law, start):
-    # a stress alone tells neither the stretch of a spring that stiffens nor the share of a mode
-    scheme = make(
-        law, *start.split("|"), "walls.top.velocity=1.0", "discretisation.particles_across=16", "time.end=0.6"
-    )
+def test_a_start_under_way_has_the_conformation(make):
+    # a stress alone does not tell the stretch of a spring that stiffens; two modes are rows of verify
+    start = "initial={state: exact, time: 0.5}", "walls.top.velocity=1.0", "time.end=0.6"
+    scheme = make(FENE, *start, "discretisation.particles_across=16")
     channel, model = scheme.channel, scheme.walls.model
     heights = scheme.snapshot().y
     exact = channel.exact_polymer_stress(heights, channel.start_time)[:2]
@@ -106,25 +91,18 @@ def test_the_momentum_of_walls_drive_and_fluid_closes(make):
     assert scheme.momentum_balance()["closure"] < 1e-3
 
 
-def layers(tmp_path_factory, *overrides):
-    from tisph import config
-    from tisph.schemes import resolve
-
-    path = tmp_path_factory.mktemp("layers") / "case.yaml"
-    path.write_text(
-        "scene: channel\nfluid: {density: 1.0, kinematic_viscosity: 1.0}\ngeometry: {gap: 1.0, length: 1.0}\n"
-        "walls: {top: {velocity: 1.0}}\ndiscretisation: {particles_across: 16}\nscheme: {type: implicit}\n"
-        "time: {end: 0.1}\n"
-    )
-    settings = resolve(config.load(path, overrides))[0]
-    channel = Channel.from_config(settings)
-    return start_of_layers(settings, channel)
+JUMPING = flow_text("sheared_channel")
 
 
-def test_a_jump_is_the_limit_of_a_fast_ramp(tmp_path_factory):
+@pytest.fixture
+def layers(tmp_path):
+    """Return a function that gives the layers of a channel at the start."""
+    return lambda *overrides: start_of_layers(*channel_of(tmp_path, JUMPING, overrides))
+
+
+def test_a_jump_is_the_limit_of_a_fast_ramp(layers):
     # the wall speeds up by a polynomial within 1e-3 of the time in which momentum crosses a spacing
-    jumped = layers(tmp_path_factory, OLDROYD)
-    ramped = layers(tmp_path_factory, OLDROYD)
+    jumped, ramped = layers(OLDROYD), layers(OLDROYD)
     channel = ramped.channel
     ramped.flow.velocity[...] = 0.0
     ramped.flow.state[...] = 0.0
@@ -180,14 +158,8 @@ class Ramp:
 )
 def model(request, tmp_path):
     """The model of a fluid."""
-    from tisph import config
-
-    path = tmp_path / "case.yaml"
-    path.write_text(
-        f"scene: channel\nfluid: {{density: 1.0, kinematic_viscosity: 1.0, rheology: {request.param}}}\n"
-        "geometry: {gap: 1.0, length: 1.0}\nwalls: {top: {velocity: 1.0}}\ntime: {end: 1.0}\n"
-    )
-    return ViscoelasticModel(config.load(path).fluid.rheology, 1.0)
+    settings, _ = channel_of(tmp_path, JUMPING, [f"fluid.rheology={request.param}"])
+    return ViscoelasticModel(settings.fluid.rheology, 1.0)
 
 
 def test_the_update_solves_the_stage_and_its_tangent_is_the_derivative(model):
@@ -227,11 +199,11 @@ def test_the_conformation_stays_positive_at_large_strain(make):
 
 
 @pytest.mark.parametrize(("elasticity", "bound"), [(1e-3, 2e-5), (0.1, 2e-3)])
-def test_an_impulse_moves_no_fluid_faster_than_the_wall(tmp_path_factory, elasticity, bound):
+def test_an_impulse_moves_no_fluid_faster_than_the_wall(layers, elasticity, bound):
     # its series says 4.1 times as fast at 1e-3, and steps of 1e-8 of the viscous time followed at Re = 100
     liquid = f"fluid.rheology={{type: oldroyd_b, relaxation_time: {elasticity}, solvent_fraction: 0.1}}"
     speed = 0.1 / elasticity
-    found = layers(tmp_path_factory, liquid, f"walls.top.velocity={speed}", "discretisation.particles_across=25")
+    found = layers(liquid, f"walls.top.velocity={speed}", "discretisation.particles_across=25")
     assert 0.0 < np.abs(found.velocity).max() < speed
     found.run_to(0.1)
     assert not found.unknown

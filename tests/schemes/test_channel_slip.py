@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from implicit_case import channel_of, layers, run
+from case_from_text import to_end as run
+from flows import flow_text
+from implicit_case import channel_of, layers
 
 from tisph import registry, runtime
 from tisph.measures.channel import wall_shear
@@ -10,15 +12,7 @@ from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 2.0, kinematic_viscosity: 1.0}
-geometry: {gap: 1.0, length: 1.0}
-discretisation: {particles_across: 50}
-scheme: {type: auto, accuracy: high}
-time: {end: 0.1}
-runtime: {threads: 1}
-"""
+CASE = flow_text("channel_with_slip")
 COUETTE = ["walls={bottom: {slip_length: 0.1}, top: {velocity: 1.0, slip_length: 0.05}}"]
 POISEUILLE = ["walls={bottom: {slip_length: 0.1}, top: {slip_length: 0.05}}", "drive.acceleration=1.0"]
 FILM = ["walls.top={slip_length: infinite}", "drive.acceleration=1.0"]

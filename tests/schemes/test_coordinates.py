@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from case_from_text import started
+from flows import flow_text
 
 from tisph import scenes
 from tisph.config import load
@@ -17,21 +18,12 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes.implicit.planar.time_levels import VELOCITIES, PlanarCoordinates
+from tisph.schemes.implicit.planar.time_levels import PlanarCoordinates
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 pytestmark = pytest.mark.taichi
 
-PIPE = """
-scene: pipe
-fluid: {density: 1.0, kinematic_viscosity: 1.0}
-geometry: {radius: 2.0, length: 3.0}
-drive: {acceleration: 4.0}
-initial: {jitter: 0.3}
-discretisation: {particles_across: 12}
-time: {end: 0.1}
-runtime: {threads: 1}
-"""
+PIPE = flow_text("wide_pipe")
 ROUNDING = 1e-12
 
 
@@ -151,25 +143,6 @@ def test_planar_coordinates_are_those_of_space(pipe):
     assert_those_of_space(found, velocity, gradient, divergence)
 
 
-def test_a_step_moves_all_levels_on_along_the_path(pipe):
-    """Along it r v/r is a velocity and r^2 w/r a circulation; pressures stay as they are."""
-    levels, fluid, draw = pipe.levels, slice(pipe.problem.n_fluid), np.random.default_rng(2).normal
-    r = places(pipe)[1]
-    view(levels.position)[fluid] = view(pipe.points.position)[fluid] + 0.05
-    fields = view(levels.fields)[fluid]
-    fields[...] = before = draw(size=fields.shape)
-    velocity, pressure = (ti.field(kind, pipe.points.slots + 1) for kind in (ti.types.vector(3, real()), real()))
-    view(velocity)[fluid], view(pressure)[fluid] = newest = draw(size=(len(r), 3)), draw(size=len(r))
-    levels.store(velocity, pressure)
-    ratio = (r + 0.05) / r
-    expected = [newest[0]]
-    for level in range(VELOCITIES - 1):
-        u, v, w = before[:, 3 * level : 3 * level + 3].T
-        expected.append(np.stack([u, v * ratio, w * ratio**2], axis=1))
-    expected += [newest[1][:, None], before[:, [levels.first_pressure]]]
-    assert view(levels.fields)[fluid] == pytest.approx(np.concatenate(expected, axis=1), rel=ROUNDING)
-
-
 def test_uniform_flow_has_no_slope_and_no_fastest_particle(pipe):
     """Along the axis; what moves across it is the fastest, and what turns around it is the largest only."""
     levels, fluid = pipe.levels, slice(pipe.problem.particles)
@@ -215,15 +188,3 @@ def test_planar_walls_have_strain_and_loads_of_a_constant_stress():
     loads = walls.sums((walls.at(0.0)[1] @ stress)[None], 0.0)[0]
     for found, body in zip(loads, bodies, strict=True):
         assert found == pytest.approx(body.shape.area * np.array([0.0, 0.0, 0.7 + 0.4, 0.5 * (0.7 - 0.4)]), abs=1e-12)
-
-
-def test_points_on_bodies_have_the_velocities_of_their_rigid_motion():
-    bodies = [Body(Circle(radius), (x, 1.0)) for radius, x in ((0.4, 1.0), (0.3, 3.0), (0.2, 5.0))]
-    walls, motions = WallPoints(bodies, 0.05, (0.0, 0.0)), {2: (0.3, -0.5, 2.0), 0: (1.0, 0.7, -3.0)}
-    found = (walls.rigid_motion(list(motions), 0.0) @ np.concatenate(list(motions.values()))).reshape(-1, 2)
-    expected = np.zeros((walls.count, 2))
-    for number, (u, v, rate) in motions.items():
-        part = walls.parts[number]
-        x, y = (walls.at(0.0)[0][part] - bodies[number].centre).T
-        expected[part] = np.stack([u - rate * y, v + rate * x], axis=1)
-    assert found == pytest.approx(expected, abs=1e-12)

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from case_from_text import to_end as run
 from scipy.integrate import solve_ivp
 
 from tisph import runtime
@@ -36,12 +37,6 @@ def started(scene, end, courant, velocity=None):
     places = np.stack(scene.jittered(0, 0.2), 1)
     scheme.start(places, np.zeros_like(places) if velocity is None else np.stack(velocity(*places.T), 1))
     return scheme
-
-
-def run(scheme):
-    while not scheme.finished:
-        scheme.advance()
-    return scheme.snapshot()
 
 
 def test_next_to_nothing_leaks_past_singular_corners():

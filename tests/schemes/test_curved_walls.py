@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from annulus_case import ACROSS, INNER, OUTER, VISCOSITY, error, make, run, steady
-from case_from_text import started
+from case_from_text import started, to_end
+from flows import flow_text
 
 pytestmark = pytest.mark.taichi
 
@@ -97,33 +98,17 @@ def test_small_steps_keep_pressure_and_divergence():
     assert scheme.residual < 1e-3
 
 
-CASE = """
-scene: eccentric_annulus
-fluid: {density: 2.0, kinematic_viscosity: 10.0}
-geometry: {inner_radius: 1.0, outer_radius: 2.0, eccentricity: 0.5}
-walls: {inner: {angular_velocity: 0.1}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 12}
-time: {end: 0.15}
-runtime: {threads: 1}
-"""
-"""Re = 0.01: what inertia changes is 1e-4 of the force. The end is 1.5 viscous times of the mean gap."""
+CASE = flow_text("slow_bearing")
 
 
 @pytest.mark.parametrize(
-    ("turning", "changes"),
-    [
-        ((0.1, 0.0), ()),
-        ((0.05, -0.05), ("initial.state=developed", "time.end=0.03")),
-    ],
+    ("turning", "changes"), [((0.1, 0.0), ()), ((0.05, -0.05), ("initial.state=developed", "time.end=0.03"))]
 )
 def test_velocity_pressure_torques_and_force_are_those_of_stokes_flow(tmp_path, turning, changes):
     # measured: 7.4e-5, 2.8e-4, 7.5e-5, 2.4e-4; the errors fall with the fourth power of the spacing (tisph verify)
     walls = [f"walls.{name}.angular_velocity={speed}" for name, speed in zip(("inner", "outer"), turning, strict=True)]
     scene, scheme = started(tmp_path, CASE, [*walls, *changes])
-    while not scheme.finished:
-        scheme.advance()
-    found, viscosity = scheme.snapshot(), {"dynamic_viscosity": scene.dynamic_viscosity}
+    found, viscosity = to_end(scheme), {"dynamic_viscosity": scene.dynamic_viscosity}
     flow = scene.stokes(*turning)
     velocity = np.array(flow.velocity(found.x, found.y))
     assert np.linalg.norm([found.u, found.v] - velocity) < 1.5e-4 * np.linalg.norm(velocity)

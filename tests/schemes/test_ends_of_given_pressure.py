@@ -3,23 +3,14 @@
 import numpy as np
 import pytest
 from finished_run import finished
+from flows import flow_config
 
 from tisph import scenes
 from tisph.config.loader import loaded
 
 pytestmark = pytest.mark.taichi
 
-DRIVEN = {
-    "scene": "channel",
-    "fluid": {"density": 2.0, "kinematic_viscosity": 0.1},
-    "geometry": {"gap": 1.0, "length": 2.0},
-    "ends": {"left": {"pressure": 4.8}, "right": {"pressure": 0.0}},
-    "discretisation": {"particles_across": 20},
-    "time": {"end": 1.0},
-    "output": {"video": None},
-    "runtime": {"threads": 1},
-}
-"""A pressure gradient of 2.4, 1.2 per unit density: the mean velocity becomes 1."""
+DRIVEN = flow_config("channel_between_pressures")
 
 OLDROYD_B = {"type": "oldroyd_b", "relaxation_time": 0.5, "solvent_fraction": 0.5}
 
@@ -33,8 +24,7 @@ def exact(snapshot, rheology=None):
 
 
 @pytest.mark.parametrize(
-    "rheology",
-    [pytest.param(None, id="Newtonian"), pytest.param(OLDROYD_B, id="Oldroyd-B", marks=pytest.mark.slow)],
+    "rheology", [pytest.param(None, id="Newtonian"), pytest.param(OLDROYD_B, id="Oldroyd-B", marks=pytest.mark.slow)]
 )
 def test_start_up_is_that_between_parallel_walls(rheology):
     """The bound of the issue that brought this feature; both ends have the given pressures and one flow rate."""

@@ -2,23 +2,17 @@
 
 import numpy as np
 import pytest
+from flows import flow_text
+from implicit_case import channel_of, start_of_layers
 
-from tisph import config, runtime, schemes
-from tisph.scenes.channel import Channel
+from tisph import runtime, schemes
 from tisph.schemes import _estimate
 from tisph.schemes.implicit import step_control
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi
 
-CASE = """
-scene: channel
-fluid: {density: 2.0, kinematic_viscosity: 0.01}
-geometry: {gap: 0.5, length: 0.5}
-discretisation: {particles_across: 10}
-time: {end: 0.3}
-runtime: {threads: 1}
-"""
+CASE = flow_text("narrow_channel")
 STEADY = "walls={bottom: {velocity: -1e-5}, top: {velocity: 5e-5}}"
 SWINGING = "walls={bottom: {velocity: -1e-5}, top: {amplitude: 5e-5, angular_frequency: 9.0, phase: sin}}"
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.2, solvent_fraction: 0.3}"
@@ -32,10 +26,8 @@ def case(tmp_path):
     """Return a function that gives a config and its channel, in the flow's own frame, of overrides."""
 
     def build(*overrides):
-        path = tmp_path / "case.yaml"
-        path.write_text(CASE)
-        settings = config.load(path, overrides)
-        return settings, Channel.from_config(settings).in_flow_frame()
+        settings, channel = channel_of(tmp_path, CASE, overrides)
+        return settings, channel.in_flow_frame()
 
     return build
 
@@ -53,12 +45,7 @@ def profiles(settings, channel, times):
 
 
 @pytest.mark.parametrize(
-    "flow",
-    [
-        pytest.param((STEADY, DRIVEN), marks=pytest.mark.slow),  # the lower wall of the next one jumps too
-        (SWINGING, DRIVEN),
-        (STEADY, DRIVEN, "walls.treatment.type=comoving_image", "scheme.operators.order=2"),
-    ],
+    "flow", [(SWINGING, DRIVEN), (STEADY, DRIVEN, "walls.treatment.type=comoving_image", "scheme.operators.order=2")]
 )
 def test_layers_of_the_implicit_scheme(case, flow):
     settings, channel = case("scheme={type: implicit}", *flow, "time.tolerance=1e-5")
@@ -75,7 +62,7 @@ def test_of_a_run_without_end_steps_are_counted_alone(case, monkeypatch):
     # relaxation times far shorter than a layer needs to cross a spacing: steps follow the fastest
     monkeypatch.setattr(_estimate, "MOST_STEPS", 30)
     settings, channel = case(POLYMER, "walls.top.velocity=5e-5", "scheme={type: implicit}", "time.tolerance=1e-9")
-    layers = _estimate.ImplicitLayers(settings, channel, step_control(settings, channel, [settings.time.end]))
+    layers = start_of_layers(settings, channel)
     layers.run_to(settings.time.end)
     assert layers.unknown
     assert layers.time == settings.time.end

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from finished_run import finished
+from flows import flow_config
 
 from tisph import scenes
 from tisph.config.loader import loaded
@@ -13,17 +14,7 @@ pytestmark = pytest.mark.taichi
 
 INLET, OUTLET = {"type": "inlet", "velocity": 1.0}, {"type": "outlet"}
 SPIN = 2.0
-PIPE = {
-    "scene": "pipe",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 0.05},
-    "geometry": {"radius": 1.0, "length": 2.0},
-    "walls": {"outer": {"angular_velocity": SPIN}},
-    "ends": {"left": INLET, "right": OUTLET},
-    "initial": {"state": "developed"},
-    "discretisation": {"particles_across": 12},
-    "time": {"end": 1.2},
-    "runtime": {"threads": 1},
-}
+PIPE = flow_config("open_pipe")
 OF_STEPS = 2e-5
 """A parabola and solid rotation are exact with operators of order 4. What remains are the residuals of the linear
 systems and the errors of steps, 2e-6 of the velocity each, ten times over."""
@@ -78,14 +69,7 @@ def test_a_plug_has_flow_rates_over_time_and_no_force():
     assert series.columns[-2:] == ["inflow", "outflow"]
 
 
-SPHERE = {
-    "scene": "region",
-    "coordinates": "axisymmetric",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False},
-    "geometry": {"length": 4.0, "height": 1.0},
-    "ends": {"left": INLET, "right": OUTLET},
-    "runtime": {"threads": 1},
-}
+SPHERE = flow_config("open_tube")
 
 
 def steady(config, across, end):

@@ -1,10 +1,9 @@
 """Parts of a step of free bodies against exact values: gaps that close, contacts, levels after a jump, buoyancy."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from case_from_text import started
+from flows import flow_text
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -13,17 +12,7 @@ from tisph.schemes.implicit.planar.free_bodies import Contact
 
 pytestmark = pytest.mark.taichi
 
-CHANNEL = """
-scene: channel
-fluid: {density: 2.0, kinematic_viscosity: 1.0}
-geometry: {gap: 1.0, length: 1.5}
-walls: {top: {velocity: 1.0}}
-bodies:
-- {type: circle, centre: [0.5, 0.5], radius: 0.25, motion: free, density: 3.0, force: [0.7, -0.2]}
-discretisation: {particles_across: 12}
-time: {end: 1.0}
-runtime: {threads: 1}
-"""
+CHANNEL = flow_text("pulled_circle")
 
 
 @pytest.fixture(scope="module")
@@ -77,20 +66,6 @@ def test_after_a_jump_bodies_have_the_newest_velocity_alone(scheme):
         motion.times, motion.velocities = [3.0, 2.0, 1.0], [newest, newest + 1.0, newest - 1.0]
         after()
         assert [velocity.tolist() for velocity in motion.velocities] == [newest.tolist()]
-
-
-def test_an_acceleration_pulls_bodies_by_what_they_displace(scheme, monkeypatch):
-    """Per unit density of the fluid, in addition to forces from outside."""
-    free = scheme.boundary.parts[0].bodies
-    motion = free.motions[0]
-    before = free.load[0].copy()
-    assert before == pytest.approx([0.7 / 2.0, -0.2 / 2.0, 0.0])
-    with monkeypatch.context() as patch:
-        patch.setattr(motion, "inertia", replace(motion.inertia, displaced=0.4))
-        free.accelerate(3.0)
-    assert free.load[0] == pytest.approx(before + np.array([1.2, 0.0, 0.0]), rel=1e-12)
-    free.accelerate(3.0)
-    assert free.load[0] == pytest.approx(before)
 
 
 @pytest.mark.parametrize(("curls", "most"), [(0, 4), (2, 12)])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from case_from_text import started
+from flows import flow_text
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -11,18 +12,7 @@ from tisph.runtime import view
 
 pytestmark = pytest.mark.taichi
 
-CHANNEL = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.02}
-geometry: {gap: 1.0, length: 3.0}
-ends:
-  left: {type: inlet, velocity: 2.0}
-  right: {type: outlet}
-initial: {state: developed}
-discretisation: {particles_across: 12}
-time: {end: 1.0}
-runtime: {threads: 1}
-"""
+CHANNEL = flow_text("long_open_channel")
 MIRRORED = "ends={left: {type: outlet}, right: {type: inlet, velocity: 2.0}}"
 
 

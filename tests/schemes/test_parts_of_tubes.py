@@ -3,33 +3,16 @@
 import numpy as np
 import pytest
 from case_from_text import started
+from flows import flow_text
 
 from tisph.runtime import real, ti, view
 
 pytestmark = pytest.mark.taichi
 
-SPHERE = """
-scene: sphere_in_tube
-fluid: {density: 1.0, kinematic_viscosity: 1.0}
-geometry: {tube_radius: 1.0, sphere_radius: 0.5, length: 2.0}
-drive: {mean_velocity: 1.0}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 12}
-time: {end: 0.1}
-runtime: {threads: 1}
-"""
+SPHERE = flow_text("flow_past_a_sphere")
 CENTRE = 1.0
 
-ROTATING = """
-scene: pipe
-fluid: {density: 1.0, kinematic_viscosity: 100.0}
-geometry: {radius: 1.0, inner_radius: 0.5, length: 1.0}
-walls: {outer: {angular_velocity: 2.0}, inner: {angular_velocity: 2.0}}
-initial: {state: developed, jitter: 0.2}
-discretisation: {particles_across: 10}
-time: {end: 1.0}
-runtime: {threads: 1}
-"""
+ROTATING = flow_text("rotating_pipe")
 
 
 @pytest.fixture(scope="module")
@@ -77,20 +60,8 @@ def test_curls_at_walls_are_those_of_a_smooth_flow(scheme):
         assert np.linalg.norm((boundary.present_curls - exact)[part]) < bound * np.linalg.norm(exact[part])
 
 
-def test_the_grid_follows_walls_that_moved_by_a_spacing(scheme, monkeypatch):
-    boundary, walls, times = scheme.boundary, scheme.boundary.walls, []
-    moving = np.tile([2.0, 0.0, 0.0], (walls.count, 1))
-    monkeypatch.setattr(walls, "velocities", lambda time: moving)
-    monkeypatch.setattr(boundary, "set_grid", times.append)
-    boundary.grid_time = 1.0
-    for part in (0.4, -0.4, 0.6):  # times the speed of 2
-        boundary.move(1.0 + part * scheme.problem.spacing)
-    assert times == [1.0 + 0.6 * scheme.problem.spacing]
-
-
 @pytest.mark.parametrize(
-    ("change", "first", "later"),
-    [("fluid.inertia=false", 22, 25), ("fluid.kinematic_viscosity=100", 15, 13)],
+    ("change", "first", "later"), [("fluid.inertia=false", 22, 25), ("fluid.kinematic_viscosity=100", 15, 13)]
 )
 def test_velocity_and_pressure_of_slow_flow_take_few_iterations(tmp_path, change, first, later):
     """No more than a tenth above what was measured; the acceleration that keeps the mean is one of the unknowns."""

@@ -1,40 +1,21 @@
 """Regions turned around an axis: spin-up of a closed cylinder, shapes, what other scenes compute, and end plates."""
 
-import math
-
 import numpy as np
 import pytest
-from case_from_text import started
+from case_from_text import to_end
 from scipy.special import j1, jn, jn_zeros
 
 pytestmark = pytest.mark.taichi
 
-COMMON = """
-fluid: {density: 1.0, kinematic_viscosity: 1.0}
-initial: {jitter: 0.2}
-runtime: {threads: 1}
-discretisation: {particles_across: 14}
-time: {end: 0.05}
-"""
-
-REGION = COMMON + "scene: region\ncoordinates: axisymmetric\n"
-
-CAN = "walls={around: {type: polygon, corners: [[0, 0], [2, 0], [2, 1], [0, 1]]}}"
-
 
 @pytest.fixture
-def run(tmp_path):
+def run(start_flow):
     """Return a function that runs a config with changes, and returns scene, last snapshot and diagnostics."""
 
-    def whole(text, *changes, targets=None):
-        scene, scheme = started(tmp_path, text, changes, targets)
-        snapshots = []
-        while not scheme.finished:
-            scheme.advance()
-            if scheme.time in (targets or ()):
-                snapshots.append(scheme.snapshot())
-        found = scheme.snapshot()
-        return scene, snapshots or found, scene.diagnostics(found, ())
+    def whole(name, *changes):
+        scene, scheme = start_flow(name, *changes)
+        found = to_end(scheme)
+        return scene, found, scene.diagnostics(found, ())
 
     return whole
 
@@ -59,64 +40,38 @@ def angular_momentum(t, speed):
 
 
 def test_a_closed_cylinder_spins_up_as_its_series_and_its_torques_balance(run):
-    """At 16 across 3e-5 and 2e-5 (L2); of fourth order 5e-5. The layer is two spacings thin at the first time."""
-    speed, times = 1e-3, [0.02, 0.05]
-    _, found, _ = run(REGION, CAN, f"turning=[{{wall: around, angular_velocity: {speed}}}]", targets=times)
-    last = found[-1]
+    """At 16 across 3e-5 and 2e-5 (L2); of fourth order 5e-5."""
+    speed = 1e-3
+    _, last, _ = run("can", f"turning=[{{wall: around, angular_velocity: {speed}}}]")
     exact = spin_up(last.x, last.y, last.t, speed)
     assert np.linalg.norm(last.w - exact) < 1e-4 * np.linalg.norm(exact)
     change = (angular_momentum(0.05 + 1e-4, speed) - angular_momentum(0.05 - 1e-4, speed)) / 2e-4
     assert -last.bodies.torque.sum() == pytest.approx(change, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    ("around", "bodies"),
-    [
-        pytest.param("{type: circle, centre: [0, 0], radius: 1.0}", "[]", marks=pytest.mark.slow),  # a ball
-        pytest.param("{type: circle, centre: [0, 1.5], radius: 0.5}", "[]", marks=pytest.mark.slow),  # a ring
-        (
-            "{type: polygon, corners: [[0, 0], [0, 1], [2, 1], [2, 0]]}",
-            "[{type: polygon, corners: [[0.8, 0], [1.2, 0], [1.2, 0.6], [0.8, 0.6]], corner_radius: 0.16}]",
-        ),
-    ],
-)
-def test_fluid_in_what_turns_as_a_whole_turns_as_a_solid(run, around, bodies):
+def test_fluid_in_what_turns_as_a_whole_turns_as_a_solid(run):
     """Of the start at most exp(-14.7 nu t/R^2) is left, 3e-5, as in a long cylinder; u, v have errors of a step."""
-    turning = ["{wall: around, angular_velocity: 1.0}", *["{wall: body_0, angular_velocity: 1.0}"] * (bodies != "[]")]
-    _, found, _ = run(
-        REGION, f"walls.around={around}", f"bodies={bodies}", f"turning=[{', '.join(turning)}]", "time.end=0.7"
-    )
+    body = "{type: polygon, corners: [[0.8, 0], [1.2, 0], [1.2, 0.6], [0.8, 0.6]], corner_radius: 0.16}"
+    turning = "turning=[{wall: around, angular_velocity: 1.0}, {wall: body_0, angular_velocity: 1.0}]"
+    _, found, _ = run("can", f"bodies=[{body}]", turning, "time.end=0.7")
     assert np.abs(found.w - found.y).max() < 1e-4
     assert max(np.abs(found.u).max(), np.abs(found.v).max()) < 1e-4
 
 
-SAME = [
-    pytest.param(
-        "scene: taylor_couette\ngeometry: {inner_radius: 1.0, outer_radius: 2.0, length: 1.5, end_plates: with_inner}\n"
-        "walls: {inner: {times: [0.0, 0.02], angular_velocities: [0.0, 1.0]}}",
-        "walls: {around: {type: polygon, corners: [[0, 1], [0, 2], [1.5, 2], [1.5, 1]]}}\n"
-        "turning: [{wall: around, times: [0.0, 0.02], angular_velocities: [0.0, 1.0]}, "
-        "{wall: around_1, angular_velocity: 0.0}]",
-        {"inner": "around_3", "outer": "around_1", "left": "around_0", "right": "around_2"},
-        id="end plates",
-    ),
-    pytest.param(
-        "scene: sphere_in_tube\ngeometry: {tube_radius: 1.0, sphere_radius: 0.5, length: 2.0}\n"
-        "closure: periodic_pressure\ndrive: {acceleration: 3.0}\nsphere: {velocity: 1.0, angular_velocity: 2.0}",
-        "geometry: {height: 1.0, length: 2.0}\ndrive: {acceleration: 3.0}\n"
-        "bodies: [{type: circle, centre: [1.0, 0.0], radius: 0.5, motion: {velocity: [1.0, 0.0]}}]\n"
-        "turning: [{wall: body_0, angular_velocity: 2.0}]",
-        {"sphere": "body_0", "tube": "top"},
-        id="sphere",
-    ),
-]
-
-
-@pytest.mark.parametrize(("other", "region", "names"), SAME)
+@pytest.mark.parametrize(
+    ("other", "region", "names"),
+    [
+        (
+            "end_plates",
+            "region_of_end_plates",
+            {"inner": "around_3", "outer": "around_1", "left": "around_0", "right": "around_2"},
+        ),
+        ("turning_sphere", "region_of_a_turning_sphere", {"sphere": "body_0", "tube": "top"}),
+    ],
+)
 def test_loads_are_those_of_the_scene_of_that_shape(run, other, region, names):
     """The same numbers but for rounding, which walls in another order make, over the largest load."""
-    end = "time.end=0.01" if "sphere" in names else "time.end=0.05"
-    own, others = run(REGION + region, end)[2], run(COMMON + other, end)[2]
+    own, others = run(region)[2], run(other)[2]
     for kind in ("force", "torque"):
         size = max(abs(others[f"{kind}_{name}"]) for name in names)
         for name, called in names.items():
@@ -126,7 +81,7 @@ def test_loads_are_those_of_the_scene_of_that_shape(run, other, region, names):
 def test_swirl_beside_walls_that_turn_differently_is_right_away_from_their_corner(run):
     """One end turns slowly, steady: a series. The corner's errors, 0.06 of the wall's speed, fall off in 0.2 to 3e-3,
     16 across; in 0.4 to 3e-4. Torques there have no limit, and balance to the first order of the spacing."""
-    scene, found, loads = run(REGION, CAN, "turning=[{wall: around_1, angular_velocity: 0.01}]", "time.end=1.0")
+    scene, found, loads = run("can", "turning=[{wall: around_1, angular_velocity: 0.01}]", "time.end=1.0")
     roots = jn_zeros(1, 400)[:, None]
     depth, along = roots * (2.0 - found.x), np.exp(-2.0 * roots * found.x)
     exact = np.sum(2.0 / (roots * jn(2, roots)) * j1(roots * found.y) * np.exp(-depth) * (1.0 - along), axis=0)
@@ -136,12 +91,3 @@ def test_swirl_beside_walls_that_turn_differently_is_right_away_from_their_corne
     torques = [loads[f"torque_{name}"] for name in scene.names]
     assert abs(sum(torques)) < 2.0 * scene.spacing * max(map(abs, torques))
     assert not any(name.startswith("torque") for name in scene.flow_quantities)
-
-
-def test_end_plates_that_turn_as_both_cylinders_leave_no_corner(run):
-    """Then all is one body, and steps have their tolerance; rest is a part exp(-pi^2 nu t/H^2) of it, 5e-5."""
-    text = COMMON + "scene: taylor_couette\ngeometry: {inner_radius: 1.0, outer_radius: 2.0, length: 1.5}\n"
-    both = "walls={inner: {angular_velocity: 1.0}, outer: {angular_velocity: 1.0}}"
-    scene, found, _ = run(text, both, "geometry.end_plates=with_inner", "time.end=1.0")
-    assert scene.names == ("inner", "outer", "left", "right")
-    assert np.abs(found.w - found.y).max() < math.exp(-(math.pi**2))

@@ -1,20 +1,20 @@
 """Cylinders whose angular velocities are given at some times: errors, restarts, what is refused, what is read."""
 
-from dataclasses import replace
+import functools
 
 import annulus_case as case
 import numpy as np
 import pytest
+from case_from_text import to_end
+from same_bits import check_resuming
 
-from tisph import config, registry, runtime, schemes
-from tisph.errors import ConfigError
+from tisph import registry, runtime
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.motion import Schedule, WallMotion
 from tisph.rheometry.rheometers import read
 from tisph.schemes._forecast import estimates
 from tisph.schemes.implicit.planar.scheme import PlanarScheme
-from tisph.simulation import checkpoint
 
 pytestmark = pytest.mark.taichi
 
@@ -22,11 +22,12 @@ PULSE = Schedule((0.0, 0.1, 0.1), (1.0, 1.0, 0.0))
 END = 0.15
 
 
-def started():
+def started(started=True):
     runtime.start("f64", 1)
     flow, places = case.make((PULSE, 0.0), viscosity=1.0)
     scheme = PlanarScheme(flow, [END], True, tolerance=1e-4)
-    scheme.start(places, np.zeros_like(places))
+    if started:
+        scheme.start(places, np.zeros_like(places))
     return scheme
 
 
@@ -39,52 +40,19 @@ def error(snapshot):
 
 
 def test_a_cylinder_that_stops(tmp_path):
-    scheme, kept = started(), None
-    while not scheme.finished:
-        scheme.advance()
-        if scheme.time == 0.1:  # a step ended there
-            checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
-            kept = scheme.steps + 3
-        elif scheme.steps == kept:
-            seen = scheme.snapshot()
-    assert error(scheme.snapshot()) < 1e-4  # twelve across; measured: 5.6e-5
-
-    resumed = started()
-    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
-    for _ in range(3):
-        resumed.advance()
-    for name in ("x", "y", "u", "v", "pressure"):
-        assert np.array_equal(getattr(resumed.snapshot(), name), getattr(seen, name)), name
-
-
-@pytest.mark.slow
-def test_polynomials_in_time_across_a_jump_have_large_errors():
     scheme = started()
-    scheme.problem = replace(scheme.problem, jump_times=())
-    while not scheme.finished:
+    while scheme.time < 0.1:  # a step ends there
         scheme.advance()
-    assert error(scheme.snapshot()) > 1e-3  # measured: 1.6e-3
-
-
-CASE = """
-scene: annulus
-fluid: {density: 1.0, kinematic_viscosity: 1.0}
-geometry: {inner_radius: 1.0, outer_radius: 2.0}
-walls: {inner: {times: [0.0, 0.2, 0.2], angular_velocities: [0.5, 0.5, 0.0]}}
-discretisation: {particles_across: 12}
-time: {end: 1.0}
-"""
+    assert scheme.time == 0.1
+    jump = scheme.steps
+    assert error(to_end(scheme)) < 1e-4  # twelve across; measured: 5.6e-5
+    check_resuming(started, tmp_path, stops=(jump,), steps=jump + 3)
 
 
 @pytest.fixture
-def load(tmp_path):
+def load(load_flow):
     """Return a function that gives the config of overrides."""
-
-    def build(*overrides):
-        (tmp_path / "case.yaml").write_text(CASE)
-        return config.load(tmp_path / "case.yaml", overrides)
-
-    return build
+    return functools.partial(load_flow, "stopped_cylinder")
 
 
 def test_steps_of_two_starts_are_known_before(load):
@@ -102,23 +70,6 @@ def test_the_scene_knows_the_schedule(load):
     assert annulus.exact_around(1.0, 0.0, 0.21) == pytest.approx(0.0, abs=1e-12)
     # the layer of the stop is thin again
     assert annulus.thinnest_layer(0.21) == (pytest.approx(0.1), "the layer at the inner cylinder")
-
-
-REFUSED = {
-    "scheme={type: wcsph}": r"wcsph has no wall with velocities at times \(walls.inner\); take implicit",
-    "walls.inner.times=[0.0, 0.2]": "must be as many times, .* as there are angular_velocities, 3",
-    "walls.inner.times=[0.0, 0.3, 0.2]": "must ascend from 0 on",
-    "walls.inner.angular_velocities=[0.0, 0.0, 0.0]": "must not all be 0: for a wall at rest give angular_velocity: 0",
-    "walls.inner.phase=sin": "is not for a wall with angular_velocities at times",
-    "walls.outer.times=[0.0, 1.0]": "is only for a wall with angular_velocities at times",
-    "initial={state: developed}": r"must be rest where a wall has velocities at times \(walls.inner\)",
-}
-
-
-@pytest.mark.parametrize("override", REFUSED)
-def test_what_is_not_served_is_refused(load, override):
-    with pytest.raises(ConfigError, match=REFUSED[override]):
-        schemes.resolve(load(override))
 
 
 def test_a_newtonian_ramp_is_read_as_a_flow_curve(load):

@@ -66,17 +66,6 @@ def test_the_implicit_scheme_tells_that_points_moved_however_little(make):
     assert moved[66:68, 0] == pytest.approx([-2e-4, 2e-4], rel=1e-9)  # half of the overlap each
 
 
-@pytest.mark.parametrize(("move", "sweeps"), [(0.98e-3, 1), (1.02e-3, 2)])
-def test_sweeps_go_on_while_a_point_moves_a_thousandth_of_a_spacing(make, monkeypatch, move, sweeps):
-    scheme, done = make("scheme={type: implicit}"), []
-    scheme.particles.arrange(0.0)
-    view(scheme.points.position)[66, 0] += (0.1 + 2 * move) / 12  # by half of what discs of 0.9 spacings overlap then
-    sweep = scheme.particles.shifting.sweep
-    monkeypatch.setattr(scheme.particles.shifting, "sweep", lambda: done.append(sweep()))
-    scheme.particles.shifting.shift()
-    assert len(done) == sweeps
-
-
 def test_no_particle_crosses_a_wall_at_high_cell_reynolds_number(make):
     # U dx/nu = 83; shifted by 2 U h sum V grad W instead of c h sum V grad W, a particle crosses after 780 steps
     overrides = "fluid.kinematic_viscosity=5e-4", "geometry.length=2.0", "time.end=100.0"

@@ -4,17 +4,19 @@ Values of the eccentric cylinders and of the array of cylinders are by spectral 
 agree to 2e-9 and 1e-8.
 """
 
+import functools
 from dataclasses import fields
 
 import numpy as np
 import pytest
+from case_from_text import to_end
+from same_bits import check_resuming
 
 from tisph import registry, runtime, scenes, schemes
 from tisph.config.schema import model_of
 from tisph.errors import ConfigError
 from tisph.measures.fits import section_mean
 from tisph.rheometry.rheometers import read
-from tisph.simulation import checkpoint
 from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi
@@ -40,20 +42,18 @@ def built(scene, across, end, **sections):
     return config, scenes.of(config)
 
 
-def begun(config, scene):
-    """Return the scheme of a ``scene`` at its start."""
+def begun(config, scene, started=True):
+    """Return the scheme of a ``scene`` at its start, or without particles yet."""
     runtime.start(config.discretisation.precision, 1)
     scheme = registry.load("schemes", "implicit").build(config, scene, [config.time.end], True)
-    scheme.start(*start_values(scene, config.initial))
+    if started:
+        scheme.start(*start_values(scene, config.initial))
     return scheme
 
 
 def run(config, scene):
     """Return the last snapshot of a run."""
-    scheme = begun(config, scene)
-    while scheme.time < config.time.end:
-        scheme.advance()
-    return scheme.snapshot()
+    return to_end(begun(config, scene))
 
 
 def annulus(across=16, end=0.1, **sections):
@@ -129,10 +129,8 @@ def test_vortex_in_a_box_without_friction(across):
 
 def test_eccentric_cylinders():
     walls = {"inner": {"angular_velocity": 1.0, "slip_length": 0.1}, "outer": {"slip_length": 0.3}}
-    geometry, fluid = (
-        {"inner_radius": 1.0, "outer_radius": 2.0, "eccentricity": 0.5},
-        {"density": 1.0, "inertia": False},
-    )
+    geometry = {"inner_radius": 1.0, "outer_radius": 2.0, "eccentricity": 0.5}
+    fluid = {"density": 1.0, "inertia": False}
     config, scene = built("eccentric_annulus", 20, 0.01, geometry=geometry, walls=walls, fluid=fluid)
     bodies = run(config, scene).bodies
     assert bodies.torque == pytest.approx([-13.242815, 10.142596], rel=1e-5)  # measured: 2e-6
@@ -199,23 +197,7 @@ def test_a_resumed_run_has_the_same_bits(tmp_path):
         {"type": "circle", "centre": [0.2, 0.0], "radius": 0.4, "slip_length": 0.1, "motion": {"angular_velocity": 1.0}}
     ]
     config, scene = built("region", 20, 1.0, walls=walls, fluid=fluid, bodies=bodies)
-    scheme = begun(config, scene)
-    for step in range(8):
-        if step == 4:
-            checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
-        scheme.advance()
-    seen, resumed = scheme.snapshot(), begun(config, scene)
-    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
-    for _ in range(4):
-        resumed.advance()
-    for name in ("x", "y", "u", "v", "pressure", "stress_xy"):
-        assert np.array_equal(getattr(resumed.snapshot(), name), getattr(seen, name)), name
-
-
-@pytest.mark.slow
-def test_single_precision():
-    config, scene = annulus(discretisation={"precision": "f32"})
-    assert error(scene, run(config, scene)) < 5e-4
+    check_resuming(functools.partial(begun, config, scene), tmp_path, stops=(4,), steps=8)
 
 
 def test_a_flow_with_slip_is_no_rheometer():

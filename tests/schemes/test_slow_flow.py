@@ -2,44 +2,18 @@
 
 import numpy as np
 import pytest
+from flows import flow_config
 
 import tisph
-from tisph.errors import ConfigError
 
 pytestmark = pytest.mark.taichi
 
-RUN = {"runtime": {"threads": 1}, "initial": {"jitter": 0.2}}
-BEARING = {
-    **RUN,
-    "scene": "eccentric_annulus",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 10.0, "inertia": False},
-    "geometry": {"inner_radius": 1.0, "outer_radius": 2.0, "eccentricity": 0.5},
-    "walls": {"inner": {"angular_velocity": 0.1}},
-    "discretisation": {"particles_across": 12},
-    "time": {"end": 1.0},
-}
-SHEAR = {
-    **RUN,
-    "scene": "channel",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False},
-    "geometry": {"gap": 1.0, "length": 2.0},
-    "walls": {"bottom": {"velocity": -0.5}, "top": {"velocity": 0.5}},
-    "bodies": [{"type": "circle", "centre": [1.0, 0.5], "radius": 0.125, "motion": "free"}],
-    "discretisation": {"particles_across": 32},
-    "time": {"end": 1.0},
-}
+BEARING = flow_config("bearing_without_inertia")
+SHEAR = flow_config("circle_without_inertia")
 SHEAR_RATE = -0.482223
 """Angular velocity of the circle in Stokes flow, by finite elements (``test_free_bodies.py``)."""
 
-BALL = {
-    **RUN,
-    "scene": "sphere_in_tube",
-    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False},
-    "geometry": {"tube_radius": 1.0, "sphere_radius": 0.5, "length": 4.0},
-    "sphere": {"velocity": 1.0},
-    "discretisation": {"particles_across": 20},
-    "time": {"end": 0.01},
-}
+BALL = flow_config("ball_without_inertia")
 
 
 def changed(config, **fluid):
@@ -117,9 +91,3 @@ def test_without_inertia_the_force_on_a_falling_ball_is_its_weight():
         found = scene.diagnostics(snapshot, [])
     assert found["force_sphere"] == pytest.approx(0.5, abs=1e-6)  # found with the flow: to the residual
     assert found["acceleration"] * 4.0 / 3.0 * np.pi * 0.5**3 > 0.05
-
-
-@pytest.mark.parametrize("name", ["couette_minimal", "taylor_green", "cavity", "pipe"])
-def test_only_flow_between_walls_may_be_without_inertia(name):
-    with pytest.raises(ConfigError, match=r"fluid\.inertia"):
-        tisph.config.load(f"configs/{name}.yaml", ["fluid.inertia=false"])

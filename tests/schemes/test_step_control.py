@@ -75,6 +75,7 @@ def test_hits_every_target_exactly_with_fixed_steps(targets, fixed):
 
 def test_targets_at_or_before_the_start_are_passed():
     assert walk(make(start=1.0, targets=(0.5, 1.0, 1.25)), time=1.0)[0] == [1.25]
+    assert walk_plan(StepPlan(1.0, [0.5, 1.0, 2.0]), 10.0)[0] == [2.0]
 
 
 @pytest.mark.parametrize(
@@ -93,115 +94,65 @@ def test_takes_all_half_or_none_of_what_is_left(wish, expected):
     assert make(start=2.0, targets=(3.0,), first=wish).choose_dt(2.0) == expected
 
 
-def test_two_halves_meet_the_target_exactly():
-    control = make(start=0.1, targets=(0.7,), first=0.45)
-    times, lengths = walk(control, time=0.1)
-    assert times[-1] == 0.7
-    assert len(lengths) == 2
-    assert lengths[0] == pytest.approx(lengths[1], rel=1e-12)  # rounding of the times
-
-
-@pytest.mark.parametrize("error", [1.01 * REJECTED, 10.0, 1e9, float("inf")])
-def test_a_rejected_step_is_taken_again_shorter(error):
-    control = make()
-    assert not control.accepts(error, 2, 1.0)
-    assert SMALLEST_FACTOR <= control.dt_next < 1.0
-    assert control.choose_dt(0.0) == control.dt_next
-
-
-def test_a_rejected_step_shrinks_the_more_the_larger_its_error():
-    found = []
-    for error in (2.0, 20.0, 60.0):
-        control = make()
-        control.accepts(error, 2, 1.0)
-        found.append(control.dt_next)
-    assert found == sorted(found, reverse=True)
-    assert found[0] > found[-1]
-
-
-def test_a_rejected_step_that_was_cut_short_shrinks_from_its_own_length():
-    control = make(targets=(0.3,), first=1.0)
-    assert control.choose_dt(0.0) == 0.3
-    assert not control.accepts(2.0, 2, 0.3)
-    assert control.dt_next < 0.3
-
-
-def test_repeated_rejections_go_on_shrinking():
-    control = make()
-    lengths = [1.0]
+@pytest.mark.parametrize("error", [1.01 * REJECTED, 10.0, 1e9, math.inf])
+def test_rejected_steps_shrink_the_more_the_larger_their_error(error):
+    control, lengths = make(), [1.0]
     for _ in range(5):
-        assert not control.accepts(REJECTED * 1.1, 2, lengths[-1])
+        assert not control.accepts(error, 2, lengths[-1])
         lengths.append(control.choose_dt(0.0))
-    assert all(later < earlier for earlier, later in itertools.pairwise(lengths))
+    factors = [later / earlier for earlier, later in itertools.pairwise(lengths)]
+    expected = 0.7 if error < 2.0 else max(SMALLEST_FACTOR, SAFETY * error ** (-1 / 3))
+    assert factors == pytest.approx([expected] * 5, rel=1e-12)  # rounding of a root
 
 
-@pytest.mark.parametrize("error", [0.0, 1e-30, 1e-9])
-def test_growth_is_bounded(error):
+@pytest.mark.parametrize(("error", "factor"), [
+    *((error, LARGEST_FACTOR) for error in (0.0, 1e-30, 1e-9)),
+    # the error of a step grows as the cube of its length: the next one would meet the tolerance with a margin
+    *((error, SAFETY * error ** (-1 / 3)) for error in (0.2, 0.5, 1.0, REJECTED)),
+])  # fmt: skip
+def test_accepted_steps_grow_within_bounds(error, factor):
     control = make()
     assert control.accepts(error, 2, 1.0)
-    assert control.dt_next == LARGEST_FACTOR
+    assert control.dt_next == pytest.approx(factor, rel=1e-12)
 
 
-def test_the_next_step_would_meet_the_tolerance_with_a_margin():
-    # the error of a step grows as the cube of its length
-    for error in (0.2, 0.5, 1.0, REJECTED):
-        control = make()
-        assert control.accepts(error, 2, 1.0)
-        assert error * control.dt_next**3 == pytest.approx(SAFETY**3, rel=1e-12)  # rounding of a root
-
-
-@pytest.mark.parametrize("left", [0.3, 0.6])
-def test_a_step_cut_for_a_target_does_not_shorten_the_next(left):
-    control = make(targets=(left, 5.0), first=1.0)
-    length = control.choose_dt(0.0)
-    assert length == left
-    assert control.accepts(1e-9, 2, length)
-    control.step_taken(control.end(0.0, length), 0.0)
-    assert control.choose_dt(left) == 1.0
-
-
-def test_a_half_step_does_not_shorten_the_next():
-    control = make(targets=(1.5, 9.0), first=1.0)
-    walked = 0.0
-    for _ in range(2):
-        length = control.choose_dt(walked)
-        assert length == 0.75
+@pytest.mark.parametrize(("left", "parts"), [(0.3, 1), (0.6, 1), (1.5, 2)])
+def test_a_step_cut_for_a_target_does_not_shorten_the_next(left, parts):
+    control, time = make(targets=(left, 9.0), first=1.0), 0.0
+    for _ in range(parts):
+        length = control.choose_dt(time)
+        assert length == pytest.approx(left / parts, rel=1e-12)
         assert control.accepts(1e-9, 2, length)
-        walked = control.end(walked, length)
-        control.step_taken(walked, 0.0)
-    assert walked == 1.5
-    assert control.choose_dt(walked) >= 1.0
+        time = control.end(time, length)
+        control.step_taken(time, 0.0)
+    assert time == left
+    assert control.choose_dt(time) >= 1.0
 
 
-def test_a_cut_step_with_a_large_error_shortens_the_next():
+@pytest.mark.parametrize(("error", "accepted"), [(1.4, True), (2.0, False)])
+def test_a_cut_step_with_a_large_error_shortens_the_next(error, accepted):
     control = make(targets=(0.3, 5.0), first=1.0)
-    assert control.accepts(1.4, 2, 0.3)
+    assert control.choose_dt(0.0) == 0.3
+    assert control.accepts(error, 2, 0.3) == accepted
     assert control.dt_next < 0.3
 
 
 def test_the_strain_of_a_step_is_limited():
     control = make(largest_strain=0.5)
+    control.step_taken(0.5, 0.0)
+    assert control.dt_next == 1.0  # a uniform flow has no strain
     control.step_taken(1.0, 10.0)
     assert control.dt_next == 0.5 / 10.0
     control.step_taken(2.0, 1.0)
     assert control.dt_next == 0.5 / 10.0  # a limit: steps do not grow with it at once
 
 
-def test_a_uniform_flow_has_no_strain_limit():
-    control = make(largest_strain=0.5)
-    control.step_taken(1.0, 0.0)
-    assert control.dt_next == 1.0
-
-
 def test_fixed_steps_heed_neither_error_nor_strain():
     control = make(fixed=0.25, targets=(1.0, 1.9, 2.4), largest_strain=1e-3)
     times, lengths = walk(control, natural=1e-3, gradient=100.0)
     assert times[:4] == [0.25, 0.5, 0.75, 1.0]
-    assert control.dt_next == 0.25
     # on the way to a target they are as given, but for the last two: 0.9 is 3 steps and a remainder
-    assert lengths[4:6] == [0.25, 0.25]
-    assert lengths[6] == lengths[7] == pytest.approx(0.2, rel=1e-12)  # rounding of the times
-    assert lengths[8:] == pytest.approx([0.25, 0.25], rel=1e-12)
+    assert lengths[4:] == pytest.approx([0.25, 0.25, 0.2, 0.2, 0.25, 0.25], rel=1e-12)  # rounding of the times
 
 
 @pytest.mark.parametrize(("taken", "same"), [(0, True), (10, True), (19, True), (20, False), (21, False)])
@@ -294,33 +245,20 @@ def walk_plan(plan, limit):
     return times, lengths
 
 
-@given(st.lists(st.floats(0.01, 10.0), min_size=1, max_size=5, unique=True).map(sorted), st.floats(0.01, 3.0))
-def test_hits_every_target_exactly_within_the_limit(targets, limit):
+@given(TARGETS, st.floats(0.01, 3.0))
+def test_plans_hit_every_target_exactly_within_the_limit(targets, limit):
     times, lengths = walk_plan(StepPlan(0.0, targets), limit)
     assert set(targets) <= set(times)
     assert times[-1] == targets[-1]
     assert max(lengths) <= limit * (1 + 1e-12)  # the slack that saves a step of rounding size
 
 
-def test_a_remainder_of_round_off_size_costs_no_step():
-    times, _ = walk_plan(StepPlan(0.0, [0.3]), 0.1)
-    assert len(times) == 3
-
-
-def test_targets_at_or_before_the_start_of_a_plan_are_passed():
-    times, _ = walk_plan(StepPlan(1.0, [0.5, 1.0, 2.0]), 10.0)
-    assert times == [2.0]
-
-
-def test_a_new_limit_changes_the_steps_left():
+def test_a_new_limit_changes_the_steps_left_and_round_off_costs_none():
+    assert len(walk_plan(StepPlan(0.0, [0.3]), 0.1)[0]) == 3
     plan = StepPlan(0.0, [1.0])
     assert plan.next(0.5) == 0.5
     assert plan.next(0.1) == pytest.approx(0.1)
-
-
-def test_zero_once_finished():
-    plan = StepPlan(0.0, [1.0])
-    assert plan.next(2.0) == 1.0
+    assert plan.next(2.0) == pytest.approx(0.4)
     assert plan.next(2.0) == 0.0
 
 

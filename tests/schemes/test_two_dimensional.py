@@ -1,24 +1,20 @@
 """Flow that turns, with a pressure: accuracy, symmetries, small steps, output between steps, and the same bits."""
 
-import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from same_bits import check_resuming
 from vortex_case import VISCOSITY, arrangement, errors, exact, flow, make, run
 
 from tisph import runtime
 from tisph.errors import DivergedError
-from tisph.exact.sliding_corner import DEGREE
 from tisph.numerics import least_squares as operators
 from tisph.numerics.point_cloud import active
 from tisph.numerics.shifting import SCATTER
-from tisph.runtime import ti, view
+from tisph.runtime import view
 from tisph.schemes.implicit.planar import scheme as splitting_scheme
 from tisph.schemes.implicit.planar import step_limits
-from tisph.schemes.implicit.planar.corner_singularities import SingularPaths
-from tisph.schemes.implicit.planar.time_levels import VELOCITIES
 
 pytestmark = pytest.mark.taichi
 
@@ -42,23 +38,6 @@ def test_a_wind_changes_nothing():
     assert np.abs(windy[4] - still[4]).max() < 1e-5
 
 
-def test_iterations_of_a_step_are_those_of_its_systems(monkeypatch):
-    scheme, counted = make(24), {"pressure": [], "velocity": []}
-    for name, counts in counted.items():
-        solver = getattr(scheme.equations, name)
-
-        def solve(*numbers, solver=solver, whole=solver.solve, counts=counts, **more):
-            sound = whole(*numbers, **more)
-            counts.append(solver.iterations)
-            return sound
-
-        monkeypatch.setattr(solver, "solve", solve)
-    scheme.advance()
-    assert scheme.control.rejected == 0
-    assert scheme.iterations == [sum(counts) for counts in counted.values()]
-    assert min(scheme.iterations) > 0
-
-
 def test_a_flow_in_other_units_is_bitwise_the_same():
     found = []
     for length, time, density in ((1.0, 1.0, 1.0), (2.0**-8, 2.0**-4, 2.0**6)):  # as in test_units.py
@@ -76,40 +55,6 @@ def test_a_flow_in_other_units_is_bitwise_the_same():
         found.append(last.t / time)
     assert found[1] == found[3]
     assert np.array_equal(found[0], found[2])
-
-
-def test_uniform_motion_stays_uniform():
-    scheme = make(24)
-    velocity = np.tile([0.3, -0.7], (576, 1))
-    position = arrangement(24, 0.3)
-    scheme.start(position, velocity)
-    for _ in range(5):
-        scheme.advance()
-    snapshot = scheme.snapshot()
-    assert np.abs(snapshot.u - 0.3).max() < 1e-12
-    assert np.abs(snapshot.v + 0.7).max() < 1e-12
-    assert np.abs(snapshot.pressure).max() < 1e-9  # rounding over the step, times dx^2
-
-
-def test_the_momentum_that_the_fluid_has_gained_is_that_of_all_particles():
-    scheme = make(24)
-    assert scheme.momentum_balance()["change"] == pytest.approx(0.0, abs=1e-12)
-    scheme.initial_momentum -= 7.0  # the vortices gain none
-    assert scheme.momentum_balance()["change"] == pytest.approx(7.0 * scheme.problem.density / 24**2, rel=1e-12)
-
-
-def test_paths_past_a_corner_at_rest_follow_the_regular_velocity():
-    """That rest, 2 s times the last velocity at the part s of the way, is integrated exactly: the last velocity."""
-    still = SimpleNamespace(place=(0.0, 0.0), along=(1.0, 0.0), inward=(0.0, 1.0), angle=1.0, speed=0.0)
-    still.stokes_coefficients, still.inertial_coefficients = np.zeros(4), np.zeros((DEGREE + 1, 4))
-    still.kinematic_viscosity = still.decay_length = 1.0
-    still.pressure_coefficient = 0.0
-    scheme = make(24)
-    paths = SingularPaths([still], (0.0, 0.0), scheme.levels)
-    found = paths.find(lambda part: np.stack([2.0 * part, *[0.0 * part] * (VELOCITIES - 1)]), 0.3)
-    velocity = active(scheme.levels.fields)[:, :2]
-    expected = active(scheme.levels.position) + 0.3 * velocity
-    assert found == pytest.approx(expected, abs=1e-14)
 
 
 def test_a_lattice_is_scattered_by_the_first_step_and_not_again():
@@ -204,26 +149,11 @@ def test_places_in_memory_change_nothing_that_is_seen(monkeypatch):
         assert np.abs(left - right).max() < 1e-5
 
 
-def test_a_resumed_run_is_bitwise_reproducible(monkeypatch):
+def test_a_resumed_run_is_bitwise_reproducible(monkeypatch, tmp_path):
     monkeypatch.setattr(splitting_scheme, "REORDER_INTERVAL", 4)
-    scheme = make(24)
-    bits(scheme, 6)
-    host = json.loads(json.dumps(scheme.host_state()))
-    fields = {name: np.array(view(field)) for name, field in saved(scheme)}
-    uninterrupted = bits(scheme, 6)
-    resumed = make(24, jitter=0.1, fresh=True)
-    for name, field in saved(resumed):
-        view(field)[...] = fields[name]
-    resumed.restore_host_state(host)
-    assert all(np.array_equal(*pair) for pair in zip(uninterrupted, bits(resumed, 6), strict=True))
-
-
-def saved(scheme):
-    """Names and fields that a checkpoint keeps."""
-    for part in scheme.parts().values():
-        for name, field in vars(part).items():
-            if isinstance(field, ti.Field) and getattr(field, "used", ...) is not None:
-                yield name, field
+    check_resuming(
+        lambda started=True: make(24, jitter=0.2 if started else 0.1, fresh=not started), tmp_path, stops=(6,), steps=12
+    )
 
 
 @pytest.mark.other_program

@@ -34,32 +34,17 @@ def values(function, first=0):
     return function(NOW - np.cumsum(STEPS))
 
 
-def test_differences_of_third_order_are_exact_for_cubics(times):
+def test_differences_paths_and_values_between_are_exact_for_cubics(times):
     leading, back = times.bdf()
     rate = (leading * NOW**3 - back @ values(lambda t: t**3)) / STEPS[0]
     assert rate == pytest.approx(3 * NOW**2, rel=1e-12)
     assert back[3] == 0.0
-
-
-def test_differences_of_equal_steps_are_those_of_the_books():
-    leading, back = TimeWeights([0.1] * 4, 0.1).bdf()
-    assert leading == pytest.approx(11 / 6, rel=1e-12)
-    assert back == pytest.approx([3, -3 / 2, 1 / 3, 0], abs=1e-12)
-
-
-def test_the_path_is_exact_for_cubic_velocities(times):
     way = times.step_integral() @ values(lambda t: t**3)
     assert way == pytest.approx((NOW**4 - (NOW - STEPS[0]) ** 4) / 4, rel=1e-12)
-
-
-def test_values_between_are_exact_for_cubics(times):
+    early = TimeWeights([0.1, 0.1], 0.1).step_integral()  # values that are not known yet weigh nothing
+    assert early == pytest.approx([0.15, -0.05, 0, 0], abs=1e-12)
     assert times.interpolation(0.1, 4) @ values(lambda t: t**3) == pytest.approx((NOW - 0.1) ** 3, rel=1e-12)
     assert times.extrapolation(2) @ values(lambda t: 2 * t)[:2] == pytest.approx(2 * NOW, rel=1e-12)
-
-
-def test_values_that_are_not_known_yet_weigh_nothing():
-    weights = TimeWeights([0.1, 0.1], 0.1).step_integral()
-    assert weights == pytest.approx([0.15, -0.05, 0, 0], abs=1e-12)
 
 
 def test_the_error_is_that_of_the_differences(times):
@@ -127,12 +112,6 @@ def test_a_particle_between_walls_is_stated_to_cost_more(flow, tmp_path):
     assert found["run_time"] == pytest.approx(found["steps"] * (OVERHEAD + particles * factor * COST), rel=1e-14)
 
 
-def test_a_cubic_force_over_uneven_steps_has_no_scatter():
-    times = np.array([2.0, 1.7, 1.5, 1.1, 0.4, 0.3])
-    forces = np.stack([1.0 + times - 0.3 * times**3, 0.0 * times], axis=1)[:, None]
-    assert scatter(times, forces, 0.0 * forces[:, :, 0])[0] < 1e-14  # rounding, a few times 1e-16
-
-
 def test_random_forces_have_the_scatter_they_were_made_with():
     # of 8 differences in each of 400 windows: the mean square is known to 1 / sqrt(1600), its root to half of that
     noise = np.random.default_rng(0).normal(scale=0.01, size=(400, 12, 2, 2)) * [[0.1], [1.0]]
@@ -144,16 +123,16 @@ def test_random_forces_have_the_scatter_they_were_made_with():
     assert measured == pytest.approx(0.01 * np.sqrt(2.0) / 2.0, rel=0.05)
 
 
-def test_the_scatter_of_a_force_of_zero_is_relative_to_the_torque():
-    """Between coaxial cylinders the forces are 0 by symmetry; their rounding is no scatter of the load."""
+def test_scatter_is_of_what_is_not_smooth_relative_to_force_or_torque():
+    times = np.array([2.0, 1.7, 1.5, 1.1, 0.4, 0.3])
+    forces = np.stack([1.0 + times - 0.3 * times**3, 0.0 * times], axis=1)[:, None]
+    assert scatter(times, forces, 0.0 * forces[:, :, 0])[0] < 1e-14  # of a cubic, over uneven steps: rounding
+    # between coaxial cylinders the forces are 0 by symmetry; their rounding is no scatter of the load
     forces = np.random.default_rng(0).normal(scale=1e-6, size=(12, 1, 2))
     assert scatter(np.linspace(1.0, 0.0, 12), forces, np.full((12, 1), 2.0))[0] < 1e-5
     assert scatter(np.linspace(1.0, 0.0, 12), forces, np.zeros((12, 1)))[0] > 0.1
-
-
-def test_few_steps_or_no_force_have_no_scatter():
-    times = np.arange(4.0)[::-1]
-    assert scatter(times, np.ones((4, 1, 2)), np.ones((4, 1))) is None
+    # few steps, or no force
+    assert scatter(np.arange(4.0)[::-1], np.ones((4, 1, 2)), np.ones((4, 1))) is None
     assert scatter(np.arange(6.0)[::-1], np.zeros((6, 1, 2)), np.zeros((6, 1))) is None
 
 
@@ -181,9 +160,6 @@ def test_curvature_varies_continuously_where_corners_begin():
     assert np.abs(np.diff(found)).max() < 0.06 * 2.5
     assert found.max() == pytest.approx(2.5, rel=0.05)
     assert found.min() == 0.0
-
-
-def test_curvature_of_a_circle_is_that_of_its_radius():
     assert curvatures_along(Circle(0.4), 0.1) == pytest.approx(2.5, rel=1e-12)
 
 

@@ -5,20 +5,24 @@ import re
 from dataclasses import replace
 
 import annulus_case as case
+import case_from_text
 import numpy as np
 import pytest
 import vortex_case as vortices
+from flows import flow_text
 from numpy.polynomial import Polynomial
+from same_bits import check_resuming, check_threads, state
 from scipy.integrate import solve_ivp
-from scipy.linalg import expm, logm
+from scipy.linalg import expm
 
-from tisph import config, registry, runtime, schemes
-from tisph.errors import ConfigError, DivergedError
+from tisph import runtime
+from tisph.errors import DivergedError
 from tisph.exact._fluids import ViscoelasticFluid
 from tisph.exact.start_up import CircularStartUp
 from tisph.geometry.body import SlidingWall
 from tisph.geometry.line import Line
 from tisph.geometry.motion import WallMotion
+from tisph.numerics import least_squares as operators
 from tisph.numerics.point_cloud import active
 from tisph.rheology import giesekus, oldroyd_b
 from tisph.runtime import view
@@ -27,8 +31,6 @@ from tisph.schemes.implicit.planar import viscoelastic_stress
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.scheme import PlanarScheme
 from tisph.schemes.implicit.planar.wall_points import WallPoints
-from tisph.simulation import checkpoint
-from tisph.simulation.state import start_values
 
 pytestmark = pytest.mark.taichi
 
@@ -94,21 +96,6 @@ def off(found, exact):
     return np.linalg.norm(found - exact) / np.linalg.norm(exact)
 
 
-def test_stress_at_rest_relaxes_and_pushes_nothing():
-    # uniform stress has no divergence; steps of a seventh of the relaxation time, of third order: measured 3e-6
-    flow, places = make(turning=STILL)
-    scheme = started(flow, places)
-    logarithm = logm([[1.3, 0.1], [0.1, 0.8]])
-    scheme.extra_stress.states[:] = logarithm[[0, 0, 1], [0, 1, 1]][:, None]
-    while not scheme.finished:
-        scheme.advance()
-    expected = 0.9 * np.array([0.3, 0.1, -0.2]) * math.exp(-scheme.time)
-    stress = scheme.snapshot()
-    for found, part in zip((stress.stress_xx, stress.stress_xy, stress.stress_yy), expected, strict=True):
-        assert np.abs(found - part).max() < 1e-5
-    assert np.abs(stress.u).max() < 1e-9  # of the linear solvers' residual
-
-
 def test_a_polymer_without_viscosity_changes_nothing():
     flow, places = make(oldroyd_b.Parameters(relaxation_time=1.0, solvent_fraction=1.0))
     with_polymer, without = (
@@ -120,20 +107,6 @@ def test_a_polymer_without_viscosity_changes_nothing():
     assert without.stress_xx is None
     assert without.bodies.normal_stress is None
     assert np.array_equal(with_polymer.bodies.torque, without.bodies.torque)
-
-
-def test_walls_let_fluid_shear_alone():
-    flow, _ = make(turning=(2.0, -0.7))
-    _, normal = flow.walls.at(0.3)
-    measured = np.random.default_rng(0).normal(size=(2, 2, flow.walls.count))
-    found = flow.walls.gradients(measured, 0.3)
-    assert np.abs(found[0, 0] + found[1, 1]).max() < 1e-14
-    tangent = np.stack([normal[:, 1], -normal[:, 0]])
-    speeds = np.repeat([2.0, -0.7], [part.stop - part.start for part in flow.walls.parts])
-    turned = speeds * np.stack([-tangent[1], tangent[0]])
-    assert np.abs(np.einsum("abn,bn->an", found, tangent) - turned).max() < 1e-14
-    shear = np.einsum("abn,an,bn->n", measured, tangent, normal.T)
-    assert np.abs(np.einsum("abn,an,bn->n", found, tangent, normal.T) - shear).max() < 1e-14
 
 
 def test_walls_that_slide_carry_along_what_is_at_them():
@@ -201,61 +174,27 @@ def test_samples_say_how_steep_the_stress_is():
 
 
 def test_one_and_two_threads_are_bitwise_reproducible(monkeypatch):
-    from tisph.numerics import least_squares as operators
-
-    monkeypatch.setattr(operators, "FEW", 0)  # or small loops would stay on one thread
-    monkeypatch.setattr(operators, "FEW_NUMBERS", 0)
+    for name in ("FEW", "FEW_NUMBERS"):
+        monkeypatch.setattr(operators, name, 0)  # or small loops would stay on one thread
     found = []
     for serial in (True, False):
         scheme = started(*make(), serial=serial)
         for _ in range(3):
             scheme.advance()
-        found.append(scheme.snapshot())
-    one, two = found
-    for name in ("u", "v", "pressure", "stress_xx", "stress_xy", "stress_yy"):
-        assert np.array_equal(getattr(one, name), getattr(two, name)), name
-    assert np.abs(one.stress_xy).max() > 0.0
+        found.append(state(scheme))
+    check_threads(*found)
 
 
-CAVITY = """
-scene: cavity
-fluid:
-  {density: 1.0, kinematic_viscosity: 1.0, rheology: {type: oldroyd_b, relaxation_time: 0.1, solvent_fraction: 0.5}}
-geometry: {width: 1.0, height: 1.0}
-walls: {lid: {velocity: 1.0, profile: regular}}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 14}
-time: {end: 1.0}
-"""
+CAVITY = flow_text("cavity_of_oldroyd_b")
 
 
 def test_a_restart_gives_the_bits_of_going_on(tmp_path):
     # under a lid that slides past the points on it and carries the stress there along
-    path = tmp_path / "cavity.yaml"
-    path.write_text(CAVITY)
-    settings = config.load(path, ["scheme={type: implicit}"])
-    scene = registry.load("scenes", "cavity").Scene.from_config(settings)
+    def make(started=True):
+        return case_from_text.started(tmp_path, CAVITY, ["scheme={type: implicit}"], begin=started)[1]
 
-    def make():
-        runtime.start("f64", 1)
-        return registry.load("schemes", "implicit").build(settings, scene, [1.0], True)
-
-    scheme = make()
-    scheme.start(*start_values(scene, settings.initial))
-    for steps in (4, 3):
-        for _ in range(steps):
-            scheme.advance()
-        if steps == 4:
-            checkpoint.save(tmp_path / "state.h5", scheme, "fingerprint")
-    expected = scheme.snapshot()
-    resumed = make()
-    checkpoint.restore(tmp_path / "state.h5", resumed, "fingerprint")
-    for _ in range(3):
-        resumed.advance()
-    found = resumed.snapshot()
-    for name in ("x", "y", "u", "v", "pressure", "stress_xx", "stress_xy", "stress_yy"):
-        assert np.array_equal(getattr(found, name), getattr(expected, name)), name
-    assert np.abs(found.stress_xy).max() > 0.0
+    scheme, _ = check_resuming(make, tmp_path, stops=(4,), steps=7)
+    assert np.abs(scheme.snapshot().stress_xy).max() > 0.0
 
 
 SPEED, VISCOSITY, END = 1e-6, 0.1, 0.5
@@ -270,9 +209,7 @@ def weak_vortices(number):
     flow = Problem(**box, reference_velocity=SPEED, **liquid)
     scheme, places = PlanarScheme(flow, [END], True, tolerance=1e-7), vortices.arrangement(number, 0.2)
     scheme.start(places, SPEED * np.stack(vortices.exact(*places.T, 0.0, VISCOSITY)[:2], axis=1))
-    while not scheme.finished:
-        scheme.advance()
-    return scheme.snapshot()
+    return case_from_text.to_end(scheme)
 
 
 def theory():
@@ -320,32 +257,13 @@ def test_a_divergence_stretches_no_polymer():
     assert found[1] == pytest.approx(found[0], abs=1e-12 * np.abs(found[0]).max())
 
 
-CASE = """
-scene: shear_layer
-fluid:
-  density: 1.0
-  kinematic_viscosity: 0.01
-  rheology: {type: giesekus, relaxation_time: 0.5, solvent_fraction: 0.5, mobility: 0.1}
-geometry: {length: 1.0}
-initial: {velocity: 1.0, thickness: 0.04}
-discretisation: {particles_across: 50}
-time: {end: 1.0}
-"""
-
-
-def load(tmp_path, *overrides):
-    (tmp_path / "vortices.yaml").write_text(CASE)
-    return config.load(tmp_path / "vortices.yaml", overrides)
+CASE = flow_text("shear_layers_of_giesekus")
 
 
 def test_shear_layers_start_without_stress_and_strain_their_polymer(tmp_path):
-    settings = load(tmp_path, "scheme={type: implicit}")
-    scene = registry.load("scenes", "shear_layer").Scene.from_config(settings)
+    scene, scheme = case_from_text.started(tmp_path, CASE, ["scheme={type: implicit}"])
     assert scene.weissenberg == pytest.approx(0.5)
     assert scene.solvent_viscosity == pytest.approx(0.005)
-    runtime.start("f64", 1)
-    scheme = registry.load("schemes", "implicit").build(settings, scene, [1.0], True)
-    scheme.start(*start_values(scene, settings.initial))
     for _ in range(3):
         scheme.advance()
     found = scheme.snapshot()
@@ -353,11 +271,5 @@ def test_shear_layers_start_without_stress_and_strain_their_polymer(tmp_path):
     from_layer = np.where(lower, found.y - 0.25, 0.75 - found.y)
     rate = np.where(lower, 1.0, -1.0) / (0.04 * np.cosh(from_layer / 0.04) ** 2)
     expected = 0.01 * rate * scheme.time  # a polymer at rest has its modulus times the strain
-    assert np.linalg.norm(found.stress_xy - expected) < 0.06 * np.linalg.norm(
-        expected
-    )  # layers of two spacings; measured: 0.032
-
-
-def test_what_is_not_served_is_refused(tmp_path):
-    with pytest.raises(ConfigError, match="wcsph has no giesekus fluid"):
-        schemes.resolve(load(tmp_path, "scheme={type: wcsph}"))
+    # layers of two spacings; measured: 0.032
+    assert np.linalg.norm(found.stress_xy - expected) < 0.06 * np.linalg.norm(expected)

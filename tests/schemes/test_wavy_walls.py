@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from flows import flow_text
 
 import tisph
 from tisph.config import load
@@ -9,17 +10,7 @@ from tisph.config import load
 LENGTH, DEPTH = 6.0, 0.4
 PIPE, THROAT = 3.0, 0.4
 
-CHANNEL = """\
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 1.0, inertia: false}
-geometry: {gap: 1.0, length: 6.0}
-drive: {acceleration: 1.0}
-discretisation: {particles_across: 12}
-scheme: {accuracy: fast}
-time: {end: 0.0001}
-runtime: {threads: 1}
-output: {video: null}
-"""
+CHANNEL = flow_text("long_channel")
 
 REFERENCE = {0: 29.2617935, 10: 6.0873576, 30: 2.2300297, 100: 0.7643952}
 """``python benchmarks/wavy_pipe.py``: Reynolds number -> acceleration for a flow rate of pi, equal at two resolutions

@@ -2,22 +2,14 @@
 
 import numpy as np
 import pytest
+from flows import flow_text
 
 from tisph import config, scenes
 from tisph.schemes.wcsph._bodies import Loads
 from tisph.simulation.state import start_values
 from tisph.snapshot import Snapshot
 
-CELL = """
-scene: lattice
-fluid: {density: 2.0, kinematic_viscosity: 10.0}
-geometry: {length: 1.0, height: 1.0}
-bodies: [{centre: [0.5, 0.5], radius: 0.2}]
-drive: {acceleration: 1.0}
-initial: {jitter: 0.2}
-discretisation: {particles_across: 30}
-time: {end: 0.05}
-"""
+CELL = flow_text("cylinder_in_a_cell")
 
 
 @pytest.fixture

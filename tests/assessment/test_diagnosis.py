@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from couette import couette_text
 
 from tisph import scenes
 from tisph.assessment import alignment, diagnosis, judge
@@ -153,15 +154,6 @@ def test_the_series_of_the_fits_is_the_reference(name, overrides):
         assert np.abs(difference).max() < 3e-8 * scene.reference_velocity
 
 
-CASE = """
-scene: channel
-fluid: {density: 1.0, kinematic_viscosity: 0.01}
-geometry: {gap: 1.0, length: 2.0}
-walls: {top: {velocity: 0.5}}
-discretisation: {particles_across: 20}
-time: {end: 30}
-"""
-
 SPACING = 0.05
 NU, U, G = 0.01, 0.5, 0.02
 HEIGHTS = (np.arange(20) + 0.5) * SPACING
@@ -171,7 +163,8 @@ DRIVEN = (f"drive.acceleration={G}", "walls.top.velocity=0")
 @pytest.fixture
 def scene(loader):
     """Return a function that makes the channel of the case with overrides."""
-    config = loader(CASE)
+    changes = {"geometry": {"gap": 1.0, "length": 2.0}, "discretisation": {"particles_across": 20}, "time": {"end": 30}}
+    config = loader(couette_text(**changes))
     return lambda *overrides: scenes.of(config(*overrides))
 
 

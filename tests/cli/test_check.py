@@ -14,7 +14,7 @@ from tisph import cli, scenes
 from tisph.config import load
 from tisph.schemes import resolve
 from tisph.schemes._estimate import off_layers
-from tisph.schemes._forecast import ERROR_FACTORS, estimates
+from tisph.schemes._forecast import estimates
 from tisph.schemes._protocol import SampleEstimate
 from tisph.schemes.wcsph.equation_of_state import Tait, sound_speed
 from tisph.studies import stability as matrix
@@ -245,7 +245,6 @@ def test_steps_without_inertia_have_no_start():
     assert 0.5 < numbers["steps"] / 23 < 2.0
 
 
-ERROR = ERROR_FACTORS[True]
 DATA = Path(__file__).parent / "data"
 MEASURED = json.loads((DATA / "measured.json").read_text())
 ALL_CELLS = json.loads((DATA / "cells.json").read_text())

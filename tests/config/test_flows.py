@@ -15,7 +15,6 @@ from tisph.errors import ConfigError
 from tisph.schemes.implicit.planar.problem import problem_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 2.0, solvent_fraction: 0.1}"
 DRIVEN_CHANNEL = """
 scene: channel
 fluid: {density: 1.0, kinematic_viscosity: 0.1}

@@ -113,7 +113,8 @@ class CircularCouette:
         frequency = wall.angular_frequency
 
         def response(p):
-            return self._response(r[None, :], np.sqrt(p / self.kinematic_viscosity)[:, None], own, other, shear)
+            k = np.sqrt(p / self.kinematic_viscosity)[:, None]
+            return own * quotient(r[None, :], k, own, other, shear=shear)
 
         def transform(p):
             constant = wall.cosine - before if not frequency else -before
@@ -136,7 +137,7 @@ class CircularCouette:
             if frequency:
                 k = np.sqrt(1j * frequency / self.kinematic_viscosity)
                 swings = (wall.cosine - 1j * wall.sine) * np.exp(1j * frequency * np.asarray(t))
-                total = total + (swings * self._response(r, k, own, other, shear)).real
+                total = total + (swings * own * quotient(r, k, own, other, shear=shear)).real
             else:
                 total = total + wall.cosine * self._steady(r, own, other, shear)
         return total
@@ -145,16 +146,19 @@ class CircularCouette:
         a, b = own**2, -(own**2) * other**2
         return (-2 * b / r**2 if shear else a * r + b / r) / (own**2 - other**2)
 
-    def _response(self, r, k, own, other, shear):
-        """Return f(r; own, other), or its shear rate, by K e^z and I e^-z: only decaying exponentials are left."""
-        order, sign, outwards = (2 if shear else 1), (-k if shear else 1.0), own < other
-        i_other, k_other, i_own, k_own = _i(1, k * other), _k(1, k * other), _i(1, k * own), _k(1, k * own)
-        near, gap = np.exp(-k * np.abs(r - own)), np.exp(-k * abs(own - other))
-        far = np.exp(-k * np.abs(other - r)) * gap
-        i, k = -sign * _i(order, k * r) if shear else _i(order, k * r), sign * _k(order, k * r)
-        if outwards:
-            return own * (k * i_other * near - i * k_other * far) / (k_own * i_other - i_own * k_other * gap**2)
-        return own * (i * k_other * near - k * i_other * far) / (i_own * k_other - k_own * i_other * gap**2)
+
+def quotient(r, k, own, other, order=1, shear=False):
+    """Return f(r; own, other)/own, or its shear rate, by K e^z and I e^-z: only decaying exponentials are left.
+
+    With the ``order`` 0 it is that of flow along the axis.
+    """
+    i_other, k_other, i_own, k_own = (bessel(order, k * edge) for edge in (other, own) for bessel in (_i, _k))
+    near, gap = np.exp(-k * np.abs(r - own)), np.exp(-k * abs(own - other))
+    far = np.exp(-k * np.abs(other - r)) * gap
+    i, k = (k * _i(2, k * r), -k * _k(2, k * r)) if shear else (_i(order, k * r), _k(order, k * r))
+    if own < other:
+        return (k * i_other * near - i * k_other * far) / (k_own * i_other - i_own * k_other * gap**2)
+    return (i * k_other * near - k * i_other * far) / (i_own * k_other - k_own * i_other * gap**2)
 
 
 def _i(order, z):

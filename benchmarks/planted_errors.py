@@ -49,7 +49,7 @@ ERRORS = {
     "upper-convected, with swirl": ("pipe_oldroyd_b", LOG + "_with_swirl.py", "* scaled -", "* 0.95 * scaled -"),
     "power law": ("square_power_law", "../rheology/power_law.py", "0.5 * (par", "0.48 * (par"),
     "slope at an outlet": (ROWS, ENDS, "outlet_slope = support", "outlet_slope = 0.95 * support"),
-    "particles that are due": (PASSING, ENDS, "self.due + dt", "self.due + 1.03 * dt"),
+    "particles that are due": (PASSING, ENDS, "self.due + gained", "self.due + 1.03 * gained"),
     "fluid that bodies displace": (BALL, BODIES, "inertia.displaced * acc", "inertia.displaced * 0.98 * acc"),
     "residual in slow flow": (SOLVED, LIMITS, "TOGETHER = 0.03", "TOGETHER = 0.1"),
 }  # fmt: skip

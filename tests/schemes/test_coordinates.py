@@ -18,7 +18,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes.implicit.planar.time_levels import PlanarCoordinates
+from tisph.schemes.implicit.planar.time_levels import VELOCITIES, PlanarCoordinates
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 pytestmark = pytest.mark.taichi
@@ -141,6 +141,25 @@ def test_planar_coordinates_are_those_of_space(pipe):
     divergence = np.stack([by_x[0] + by_y[1], by_x[1] + by_y[2]])
     found = Evaluated(PlanarCoordinates(pipe.operators), (velocity, *gradient), (stress, by_x, by_y))
     assert_those_of_space(found, velocity, gradient, divergence)
+
+
+def test_a_step_moves_all_levels_on_along_the_path(pipe):
+    """Along it r v/r is a velocity and r^2 w/r a circulation; pressures stay as they are."""
+    levels, fluid, draw = pipe.levels, slice(pipe.problem.n_fluid), np.random.default_rng(2).normal
+    r = places(pipe)[1]
+    view(levels.position)[fluid] = view(pipe.points.position)[fluid] + 0.05
+    fields = view(levels.fields)[fluid]
+    fields[...] = before = draw(size=fields.shape)
+    velocity, pressure = (ti.field(kind, pipe.points.slots + 1) for kind in (ti.types.vector(3, real()), real()))
+    view(velocity)[fluid], view(pressure)[fluid] = newest = draw(size=(len(r), 3)), draw(size=len(r))
+    levels.store(velocity, pressure)
+    ratio = (r + 0.05) / r
+    expected = [newest[0]]
+    for level in range(VELOCITIES - 1):
+        u, v, w = before[:, 3 * level : 3 * level + 3].T
+        expected.append(np.stack([u, v * ratio, w * ratio**2], axis=1))
+    expected += [newest[1][:, None], before[:, [levels.first_pressure]]]
+    assert view(levels.fields)[fluid] == pytest.approx(np.concatenate(expected, axis=1), rel=ROUNDING)
 
 
 def test_uniform_flow_has_no_slope_and_no_fastest_particle(pipe):

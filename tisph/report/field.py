@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from tisph.geometry.ends import OpenEnd
 from tisph.report import style
 from tisph.report.layout import Layout
 from tisph.report.quantities import Quantity
@@ -235,6 +236,9 @@ class FluidPainter:
         palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
         self._palette = palette.view(np.uint32).ravel()
         self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
+        ends = [body.shape.extent[:, 0] for body in scene.bodies if isinstance(body, OpenEnd)]
+        place = layout.low[0] + (np.arange(shape[1]) + 0.5) / shape[1] * (layout.high[0] - layout.low[0])
+        self._beyond = (place < np.min(ends)) | (place > np.max(ends)) if ends else np.zeros(shape[1], dtype=bool)
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
         """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
@@ -249,7 +253,7 @@ class FluidPainter:
         self.grid.fit(snapshot.x, snapshot.y, values, *([] if profile is values else [profile]))
         shade = self._share(self.grid.image()) * np.float32(_SHADES - 1) + np.float32(0.5)
         shade = np.clip(shade, 0.0, _SHADES - 1)
-        shade[np.isnan(shade)] = _SHADES  # no particles: the ground
+        shade[np.isnan(shade) | self._beyond] = _SHADES  # no particles, or beyond an open end: the ground
         panel.view(np.uint32)[:, :, 0] = self._palette[shade.astype(np.uint16)]
         if self.style == "both":
             dots = self._dots.cover(self._layout.pixel_positions(snapshot.x, snapshot.y))

@@ -8,14 +8,14 @@ and the flow of a given volume rate Q obeys, without any boundary condition at t
 
     2 (phi + q phi_q) zeta_x - 2 q phi_x zeta_q = nu M zeta,   phi = Q/(2 pi R^2) and phi + q phi_q = 0 at the wall.
 
-Along the axis the mean of the momentum equation is: acceleration = -16 nu mean(phi_q). Fourier points in x, Chebyshev
-points in q/R^2, Newton's method with the whole matrix.
+Along the axis the momentum equation is -dp/dx/rho = u u_x - nu (u_xx + 16 phi_q), with the mean: acceleration = -16 nu
+mean(phi_q). Fourier points in x, Chebyshev points in q/R^2, Newton's method with the whole matrix.
 
     python benchmarks/wavy_pipe.py
 
 prints the acceleration, -(mean pressure gradient)/density, at two resolutions for mean velocities through the full
-radius of 1, viscosities of 2/Re, so that Re is by the diameter there; and the pressure drop of one wave in a straight
-pipe.
+radius of 1, viscosities of 2/Re, so that Re is by the diameter there; and pressure drops of a
+straight pipe with one wave, along the axis.
 """
 
 from collections.abc import Callable
@@ -25,8 +25,9 @@ from numpy.polynomial import chebyshev
 
 LENGTH, DEPTH = 3.0, 0.4
 REYNOLDS = 0.0, 10.0, 30.0, 100.0
-PERIOD, OPEN, OPEN_REYNOLDS = 12.0, 6.0, (10.0,)
-"""Period of a pipe in which the flow develops again behind a constriction, and length of a pipe with open ends."""
+OPEN = {10.0: (6.0, 12.0, (121, 161)), 30.0: (8.0, 24.0, (241, 281)), 100.0: (8.0, 24.0, (241, 281))}
+"""By Reynolds number: length of a pipe with open ends and one wave, period of a pipe in which the flow develops again
+behind the wave, and coarse and fine numbers of points along that, with 13 and 15 across."""
 
 
 def chebyshev_points(count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -59,8 +60,13 @@ def constriction(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 1.0 - 0.5 * DEPTH * there * (1.0 + np.cos(phase)), 0.5 * np.pi * DEPTH * there * np.sin(phase)
 
 
-def acceleration(reynolds: float, columns: int, rows: int, length: float = LENGTH, wall: Callable = wave) -> float:
-    """Return the acceleration along the axis for Q = pi and nu = 2/``reynolds``; for nu = 1 without inertia if 0."""
+def along_axis(
+    reynolds: float, columns: int, rows: int, length: float = LENGTH, wall: Callable = wave
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return nu, and u and phi_q (columns,) along the axis, for Q = pi and nu = 2/``reynolds``.
+
+    For a Reynolds number of 0 nu is 1, without inertia.
+    """
     (x, d_x), (s, d_s) = fourier_points(columns, length), chebyshev_points(rows)
     radius, slope = wall(x)
     squares = np.repeat(radius**2, rows)
@@ -93,7 +99,29 @@ def acceleration(reynolds: float, columns: int, rows: int, length: float = LENGT
         phi = phi - step
         if np.abs(step).max() < 1e-9:
             break
-    return float(-16.0 * viscosity * np.mean((by_q @ phi)[::rows]))
+    return viscosity, (stretched @ phi)[::rows], (by_q @ phi)[::rows]
+
+
+def acceleration(reynolds: float, columns: int, rows: int, length: float = LENGTH, wall: Callable = wave) -> float:
+    """Return the acceleration along the axis; arguments as for ``along_axis``."""
+    viscosity, _, slope = along_axis(reynolds, columns, rows, length, wall)
+    return float(-16.0 * viscosity * np.mean(slope))
+
+
+def pressure_drop(reynolds: float, columns: int, rows: int, length: float, period: float) -> float:
+    """Return the pressure drop over density along the axis of a pipe with one wave, from x = 0 to ``length``."""
+    viscosity, u, slope = along_axis(reynolds, columns, rows, period, constriction)
+    d_x = fourier_points(columns, period)[1]
+    modes = np.fft.rfft(-16.0 * viscosity * slope) / columns
+    k = 2j * np.pi / period * np.arange(1, len(modes))
+    drag = modes[0].real * length + 2.0 * np.sum(modes[1:] * np.expm1(k * length) / k).real
+
+    def at(values: np.ndarray, x: float) -> float:
+        parts = np.fft.rfft(values) / columns
+        return float(parts[0].real + 2.0 * np.sum(parts[1:] * np.exp(k * x)).real)
+
+    ends = [0.5 * at(u, x) ** 2 - viscosity * at(d_x @ u, x) for x in (0.0, length)]
+    return drag + ends[1] - ends[0]
 
 
 def main() -> None:
@@ -103,14 +131,13 @@ def main() -> None:
     for reynolds in REYNOLDS:
         coarse, fine = acceleration(reynolds, 31, 15), acceleration(reynolds, 41, 21)
         print(f"{reynolds:6g} {coarse:12.7f} {fine:12.7f} {abs(coarse / fine - 1.0):11.1e}")
-    print(f"straight pipe with one wave from x = 1 to 3, period {PERIOD:g}: pressure drop over a length of {OPEN:g}")
-    print(f"{'Re':>6} {'121 x 13':>12} {'161 x 15':>12}")
-    for reynolds in OPEN_REYNOLDS:
+    print("straight pipe with one wave from x = 1 to 3: pressure drop from x = 0 to the length")
+    print(f"{'Re':>6} {'length':>7} {'period':>7} {'coarse':>12} {'fine':>12}")
+    for reynolds, (length, period, points) in OPEN.items():
         drops = [
-            PERIOD * acceleration(reynolds, *points, PERIOD, constriction) - 16.0 / reynolds * (PERIOD - OPEN)
-            for points in ((121, 13), (161, 15))
+            pressure_drop(reynolds, count, rows, length, period) for count, rows in zip(points, (13, 15), strict=True)
         ]
-        print(f"{reynolds:6g} {drops[0]:12.4f} {drops[1]:12.4f}")
+        print(f"{reynolds:6g} {length:7g} {period:7g} {drops[0]:12.4f} {drops[1]:12.4f}")
 
 
 if __name__ == "__main__":

@@ -123,13 +123,16 @@ def test_flow_rates_of_sections_are_found_in_few_iterations(monkeypatch):
     assert len(found) < 80
 
 
-CONSTRICTION = 20.097
-"""``python benchmarks/wavy_pipe.py``: pressure drop at Re = 10, equal at two resolutions to 1e-4."""
-
-
 @pytest.mark.slow
-def test_pressure_drop_of_a_constriction():
-    config = constriction(6.0, 0.2)
-    found = steady(config, 16, 2.0)
-    assert found["pressure_drop"] == pytest.approx(CONSTRICTION, rel=5e-3)
+@pytest.mark.parametrize(
+    ("reynolds", "length", "across", "end", "drop"),
+    [(10.0, 6.0, 16, 2.0, 20.094), (30.0, 8.0, 20, 8.0, 8.7663), (100.0, 8.0, 24, 12.0, 3.8825)],
+)
+def test_pressure_drop_of_a_constriction(reynolds, length, across, end, drop):
+    """``python benchmarks/wavy_pipe.py`` prints the drops, equal at two resolutions to 1e-4; minutes at Re = 100.
+
+    At the outlet the flow is not developed: behind it the jet would win a tenth of the pressure drop back.
+    """
+    found = steady(constriction(length, 2.0 / reynolds), across, end)
+    assert found["pressure_drop"] == pytest.approx(drop, rel=5e-3)
     assert abs(found["mass_imbalance"]) < 1e-3

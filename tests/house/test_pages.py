@@ -60,6 +60,8 @@ def test_links_lead_somewhere(path):
         assert target.exists(), link
         if anchor:
             assert anchor in anchors(target), link
+    named = set(re.findall(r"\btest_\w+\.py", text))
+    assert named <= {test.name for test in (ROOT / "tests").rglob("test_*.py")}
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from finished_run import finished
 from flows import flow_config
 
 import tisph
+from tisph.config.loader import loaded
 from tisph.runtime import view
 
 pytestmark = pytest.mark.taichi
@@ -90,6 +91,38 @@ def test_pressure_does_not_scatter_behind_a_blunt_inlet(length, courant):
     middle = np.array(drops[1:-1]) - 0.5 * (np.array(drops[:-2]) + drops[2:])
     # 0.010 and 0.018 of the mean, since the layer of the inlet is 2.7 spacings thin here; 0.20 to 0.27 without control
     assert middle.std() / np.sqrt(1.5) < 0.03 * np.mean(drops)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "across", "end"),
+    [
+        ("backward_step", 24, 1.6),
+        ("contraction", 48, 0.15),
+        ("cylinder_in_stream", 32, 1.2),
+        ("oldroyd_b_cylinder_in_stream", 20, 0.4),
+    ],
+)
+def test_columns_of_the_history_do_not_scatter_or_a_sample_says_so(name, across, end):
+    """In the last tenth of a run, beside a cubic; forces are relative to the largest of them."""
+    changes = {"discretisation.particles_across": across, "time.end": end, "time.samples": [end], "runtime.threads": 1}
+    lines = []
+    with tisph.Simulation(loaded(f"configs/{name}.yaml", changes)) as simulation:
+        scene, scheme = simulation.scene, simulation.scheme
+        series = scene.time_series()
+        while not simulation.finished:
+            simulation.step()
+            lines.append([scheme.time, *series.measure(scheme.snapshot())])
+        resolved, _ = tisph.measures.resolution.resolution(scene, end, scheme.snapshot())
+    times, values = np.split(np.array(lines), [1], axis=1)
+    last = -max(12, np.count_nonzero(times >= 0.9 * end))
+    time, values = (times[last:, 0] - end) / end, values[last:]
+    beside = values - np.stack([np.polyval(np.polyfit(time, column, 3), time) for column in values.T], axis=1)
+    force = np.array([column.startswith(("drag", "lift")) for column in series.columns])
+    size = np.abs(values).max(axis=0)
+    size[force] = size[force].max()
+    scatter = beside.std(axis=0) * np.sqrt(len(time) / (len(time) - 4))
+    assert not resolved or (scatter <= 0.01 * size).all(), dict(zip(series.columns, scatter / size, strict=True))
 
 
 def test_faults_of_the_flow_through_ends_are_said():

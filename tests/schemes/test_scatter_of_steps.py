@@ -160,6 +160,71 @@ def test_an_event_is_no_scatter():
     assert controlled(error).max() <= 0.09 * LARGEST_MULTISTEP_FACTOR
 
 
+STOKES = {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False}
+TALL_BOX = {"type": "polygon", "corners": [[0, 0], [4, 0], [4, 6], [0, 6]], "corner_radius": 0.2}
+DISC = {"type": "circle", "motion": "free", "radius": 0.17}
+FLOWS = {
+    "falling_disc": (
+        {
+            "scene": "channel",
+            "fluid": STOKES,
+            "geometry": {"gap": 2.0, "length": 8.0},
+            "bodies": [{**DISC, "centre": [4.0, 1.0], "radius": 0.25, "density": 1.5}],
+            "drive": {"gravity": [100.0, 0.0]},
+            "discretisation": {"spacing": 0.0625},
+            "time": {"end": 0.5},
+        },
+        2 * (10 + 5),
+    ),
+    "ellipse": (
+        {
+            **SHEAR,
+            "fluid": STOKES,
+            "geometry": {"gap": 1.0, "length": 2.0},
+            "bodies": [
+                {"type": "ellipse", "centre": [1.0, 0.5], "half_axes": [0.2, 0.12], "angle": 1.2, "motion": "free"}
+            ],
+            "discretisation": {"particles_across": 50},
+            "time": {"end": 6.0},
+        },
+        2 * (10 + 150),
+    ),
+    "three_discs": (
+        {
+            "scene": "region",
+            "fluid": {"density": 1.0, "kinematic_viscosity": 0.05},
+            "walls": {"around": TALL_BOX},
+            "bodies": [
+                {**DISC, "centre": centre, "density": density}
+                for centre, density in (([1.3, 5.0], 1.01), ([2.0, 5.2], 1.02), ([2.7, 5.0], 1.05))
+            ],
+            "drive": {"gravity": [0.0, -981.0]},
+            "discretisation": {"spacing": 1 / 15},
+            "time": {"end": 1.0},
+        },
+        200,
+    ),
+}
+"""Config, and steps: twice those of the longest length and ten at the start; of the discs twice those by a Courant
+number of 0.5."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FLOWS)
+def test_flows_whose_steps_scatter_had_set(name):
+    config, steps = FLOWS[name]
+    with tisph.Simulation({**config, "runtime": {"threads": 1}}) as simulation:
+        simulation.begin()
+        simulation.run_until(config["time"]["end"])
+        bodies = simulation.scheme.snapshot().bodies
+        assert simulation.scheme.steps <= steps
+    if name == "falling_disc":  # by symmetry it moves along the middle
+        assert bodies.velocity[0, 1] == pytest.approx(0.0, abs=1e-3 * bodies.velocity[0, 0])
+        assert bodies.centre[0, 1] == pytest.approx(1.0, abs=1e-4)
+    if name == "three_discs":  # with steps of a quarter of the length: scatter of 1 % of the way
+        assert bodies.centre[:3, 1] == pytest.approx([4.65, 4.05, 2.38], abs=0.03)
+
+
 SMALL = ["segre_silberberg"]
 LARGE = [
     "carried_circle", "confined_cylinder_oldroyd_b", "drafting_kissing_tumbling", "falling_ball", "free_cylinder",

@@ -131,8 +131,15 @@ def test_flow_rates_of_sections_are_found_in_few_iterations(monkeypatch):
 def test_pressure_drop_of_a_constriction(reynolds, length, across, end, drop):
     """``python benchmarks/wavy_pipe.py`` prints the drops, equal at two resolutions to 1e-4; minutes at Re = 100.
 
-    At the outlet the flow is not developed: behind it the jet would win a tenth of the pressure drop back.
+    At the outlet the flow is not developed: behind it the jet would win a tenth of the pressure drop back. Drops vary
+    by 0.3 % with the places of the particles, so the mean over the last quarter of the run is judged.
     """
-    found = steady(constriction(length, 2.0 / reynolds), across, end)
-    assert found["pressure_drop"] == pytest.approx(drop, rel=5e-3)
-    assert abs(found["mass_imbalance"]) < 1e-3
+    config = {**constriction(length, 2.0 / reynolds), "discretisation": {"particles_across": across}}
+    found = []
+    with Simulation({**config, "time": {"end": end}}) as simulation:
+        simulation.begin()
+        for time in np.linspace(0.75 * end, end, 9):
+            simulation.run_until(time)
+            found.append(simulation.scene.diagnostics(simulation.scheme.snapshot(), []))
+    assert np.mean([each["pressure_drop"] for each in found]) == pytest.approx(drop, rel=5e-3)
+    assert max(abs(each["mass_imbalance"]) for each in found) < 1e-3

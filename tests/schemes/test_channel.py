@@ -9,11 +9,11 @@ from implicit_case import IMPLICIT
 
 from tisph.errors import DivergedError
 from tisph.numerics.point_cloud import active
-from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
+from tisph.schemes.implicit.channel.walls import TREATMENTS
 
 pytestmark = pytest.mark.taichi
 
-LAST = list(OBEY_MOMENTUM)[-1]
+LAST = list(TREATMENTS)[-1]
 
 
 @pytest.fixture
@@ -26,7 +26,7 @@ def make(make):
 
 
 # what rows and images do for a linear profile does not depend on one another
-@pytest.mark.parametrize(("order", "treatment"), [(2 if each == LAST else 4, each) for each in OBEY_MOMENTUM])
+@pytest.mark.parametrize(("order", "treatment"), [(2 if each == LAST else 4, each) for each in TREATMENTS])
 def test_developed_couette_flow_is_kept_on_a_jittered_arrangement(make, order, treatment):
     scheme = make(
         "initial={state: developed, jitter: 0.2}",

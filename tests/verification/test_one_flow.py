@@ -10,7 +10,7 @@ import pytest
 import tisph
 from tisph import registry
 from tisph.exact import couette
-from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
+from tisph.schemes.implicit.channel.walls import TREATMENTS
 
 pytestmark = [pytest.mark.taichi, pytest.mark.verification]
 
@@ -42,7 +42,7 @@ CASES = {
     **{
         f"implicit order {order} {treatment}": channel({"type": "implicit", "operators": {"order": order}}, treatment)
         for order in (2, 4)
-        for treatment in OBEY_MOMENTUM
+        for treatment in TREATMENTS
     },
     "planar": {"scene": "region", "geometry": {"height": 1.0, "length": 1.25}, "walls": {"top": {"velocity": SPEED}}},
     "axisymmetric": {

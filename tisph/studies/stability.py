@@ -19,7 +19,7 @@ from tisph.errors import ConfigError
 from tisph.schemes._forecast import forecast
 from tisph.schemes.auto import ELASTIC_STEPS
 from tisph.schemes.implicit import LARGEST_STRAIN
-from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
+from tisph.schemes.implicit.channel.walls import TREATMENTS
 from tisph.schemes.wcsph._time_step import AUTO_CFL
 from tisph.schemes.wcsph.equation_of_state import SCALE_RATIO, Tait, sound_speed
 from tisph.studies.expressions import digits, filled, merged
@@ -348,9 +348,7 @@ def exists(values: dict[str, Any]) -> bool:
         return False
     if values.get("scheme", "explicit") == "explicit":
         return True
-    return (
-        values.get("sound", SCALE_RATIO) == SCALE_RATIO and values.get("treatment", "consistent_image") in OBEY_MOMENTUM
-    )
+    return values.get("sound", SCALE_RATIO) == SCALE_RATIO and values.get("treatment", "consistent_image") in TREATMENTS
 
 
 def covered(values: dict[str, Any]) -> bool:

@@ -22,7 +22,7 @@ from tisph.scenes._scene import Scene
 from tisph.schemes import unsupported, unused
 from tisph.schemes._protocol import Scheme, SchemeEstimates
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
-from tisph.schemes.implicit.channel.walls import OBEY_MOMENTUM
+from tisph.schemes.implicit.channel.walls import TREATMENTS
 
 PERIODIC = [(True, False), (True, True), (False, False)]
 """Boxes that it can serve, by whether they are periodic in x and y."""
@@ -109,9 +109,9 @@ def problems(config: Config) -> Iterator[Problem]:
     if config.columns < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS * config.spacing:.6g}, {LEAST_COLUMNS} particle spacings"
         yield "geometry.length", f"{text}: the neighbour search of scheme implicit needs three cells along x"
-    if config.walls.treatment.type not in OBEY_MOMENTUM:
+    if config.walls.treatment.type not in TREATMENTS:
         text = f"implicit has no {config.walls.treatment.type} walls"
-        yield "walls.treatment.type", f"{text}; take {' or '.join(OBEY_MOMENTUM)}, or scheme wcsph"
+        yield "walls.treatment.type", f"{text}; take {' or '.join(TREATMENTS)}, or scheme wcsph"
 
 
 def _problems_in_two_dimensions(config: Config) -> Iterator[Problem]:

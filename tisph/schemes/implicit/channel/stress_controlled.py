@@ -33,7 +33,6 @@ from tisph.schemes.implicit.channel.models import StressModel, model_of
 from tisph.schemes.implicit.channel.stages import DEFECT, GAMMA, B, ClosedOperators, FlowState, explicit_part, weighted
 from tisph.schemes.implicit.channel.step import ExtraStress
 from tisph.schemes.implicit.channel.walls import (
-    OBEY_MOMENTUM,
     CoupledWall,
     PrescribedWall,
     WallPair,
@@ -366,7 +365,7 @@ class MasslessWall(WallOfGivenStress):
 
 def wall_pair_of(config: Config, channel: Channel) -> WallPair:
     """Return the walls of a ``channel`` with the wall treatment and the fluid of a ``config``."""
-    model, obeys_momentum = model_of(config.fluid.rheology, channel), OBEY_MOMENTUM[config.walls.treatment.type]
+    model, obeys_momentum = model_of(config.fluid.rheology, channel), config.walls.treatment.obeys_momentum
     walls: list[PrescribedWall] = []
     for side, schedule in enumerate((channel.bottom, channel.top)):
         if not isinstance(model, StressModel):

@@ -51,8 +51,8 @@ from tisph.schemes.implicit.channel.stages import (
     explicit_part,
 )
 
-OBEY_MOMENTUM = {"comoving_image": False, "consistent_image": True, "virtual_image": False}
-"""Wall treatments of the implicit scheme, and whether their series follow from the momentum equation."""
+TREATMENTS = "comoving_image", "consistent_image", "virtual_image"
+"""Wall treatments of the implicit scheme."""
 
 NEAR, TERMS = 0.1, 8
 """The derivatives of C at a wall when a run starts: width of the layer over the gap, terms of the polynomial in it."""

@@ -134,3 +134,8 @@ class Ends(Model):
     def inlet(self) -> Any:
         """The end that is the inlet, None between two outlets."""
         return next((end for end in (self.left, self.right) if end.type == "inlet"), None)
+
+    @property
+    def inlet_side(self) -> str:
+        """Side of the inlet, left or right."""
+        return "left" if self.inlet is self.left else "right"

@@ -17,6 +17,7 @@ Source: J. R. Womersley, J. Physiol. 127 (1955) 553-563, for Newtonian oscillati
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,9 +25,6 @@ from numpy.polynomial import legendre
 
 DEGREE = 40
 """Degree of the polynomials, in the square of the radius where the fluid reaches the axis."""
-
-TIMES = 8
-"""Latest times whose amplitudes are kept."""
 
 
 class ChangingProfile:
@@ -71,7 +69,6 @@ class ChangingProfile:
         self.modes_in_time = in_time, modes_of, np.linalg.inv(modes_of)
         self.wave = getattr(course, "wave", None)
         self.pieces = [] if self.wave else self._pieces(course.breakpoints)
-        self.kept: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
     def _polynomials(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return Legendre polynomials (n, degrees) at places ``y`` (n,), and their derivatives."""
@@ -98,11 +95,6 @@ class ChangingProfile:
 
     def state(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the amplitudes (functions,) of the functions at ``time``, and their time derivatives."""
-        if time not in self.kept:
-            self.kept = {**dict(list(self.kept.items())[-TIMES:]), time: self._state_at(time)}
-        return self.kept[time]
-
-    def _state_at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
         if self.wave:
             turning = 1j * self.wave.angular_frequency
             amplitude = (self.wave.cosine - 1j * self.wave.sine) * np.exp(turning * time)
@@ -115,8 +107,15 @@ class ChangingProfile:
 
     def value(self, y: np.ndarray, time: float, order: int = 0) -> np.ndarray:
         """Return the time derivative of an ``order`` 0 or 1 of w at places ``y`` (n,)."""
-        return self._polynomials(y)[0] @ (self.functions @ self.state(float(time))[order])
+        return self._polynomials(y)[0] @ (self.functions @ _state(self, float(time))[order])
 
     def slope(self, y: np.ndarray, time: float, order: int = 0) -> np.ndarray:
         """Return the derivative of ``value`` along y."""
-        return self._polynomials(y)[1] @ (self.functions @ self.state(float(time))[order])
+        return self._polynomials(y)[1] @ (self.functions @ _state(self, float(time))[order])
+
+
+@lru_cache(maxsize=8)
+def _state(profile: ChangingProfile, time: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ``state`` of a ``profile``: each step asks for a few times often. A profile that kept it could not be
+    sent to the process that draws."""
+    return profile.state(time)

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.ends import OpenEnd
 from tisph.report import style
 from tisph.report.layout import Layout
 from tisph.report.quantities import Quantity
@@ -236,9 +235,9 @@ class FluidPainter:
         palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
         self._palette = palette.view(np.uint32).ravel()
         self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
-        ends = [body.shape.extent[:, 0] for body in scene.bodies if isinstance(body, OpenEnd)]
-        place = layout.low[0] + (np.arange(shape[1]) + 0.5) / shape[1] * (layout.high[0] - layout.low[0])
-        self._beyond = (place < np.min(ends)) | (place > np.max(ends)) if ends else np.zeros(shape[1], dtype=bool)
+        ends = [body.shape.extent[0, 0] for body in scene.bodies if not body.solid] or [-np.inf, np.inf]
+        (first, last), column = layout.pixel_positions(np.sort(ends), 0.0)[0], np.arange(shape[1]) + 0.5
+        self._beyond = (column < first) | (column > last)
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
         """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).

@@ -106,9 +106,9 @@ class InletFlow:
 
 
 def changing_profile(config: Config, profile: InletProfile, low: float, high: float) -> ChangingProfile | None:
-    """Return what the profile of developed flow has beside ``profile`` times the mean velocity; None for nothing.
+    """Return the velocity of developed flow beside ``profile`` times the mean velocity.
 
-    Developed flow has nothing else where its mean velocity is constant, and without inertia.
+    None where the mean velocity is constant, and without inertia: there is no other.
     """
     given, course = config.ends.inlet, course_of(config.ends.inlet)
     changes = given.velocities or given.amplitude
@@ -226,7 +226,7 @@ def profile_problems(config: Config) -> Iterator[Problem]:
     """Yield the error in the profile of the inlet of a ``config``, if there is one."""
     if not config.ends.inlet:
         return
-    side = "left" if config.ends.inlet is config.ends.left else "right"
+    side = config.ends.inlet_side
     given, (low, high) = config.ends.inlet.profile, heights_at(config, side)
     width, key = high - low, f"ends.{side}.profile"
     least, when = least_inflow(config)
@@ -267,10 +267,7 @@ def stream_problems(config: Config, walls: dict[str, Body]) -> Iterator[Problem]
         )
     if depends_on_flow_rate(config) and config.geometry.inner_radius:
         text = "must be parabolic, uniform or a table between two walls"
-        yield (
-            f"ends.{'left' if given is config.ends.left else 'right'}.profile",
-            f"{text}: no other developed flow is built in",
-        )
+        yield f"ends.{config.ends.inlet_side}.profile", f"{text}: no other developed flow is built in"
         return
     yield from end_problems(config)
 

@@ -41,7 +41,7 @@ def run(config, folder, **changes):
 
 
 def plain(name):
-    """A key without the number or the wall of a body, and without what marks the exact value."""
+    """A key without the number or the wall of a body, and without the mark of an exact value."""
     name = re.sub(r"_exact$", "", name)
     name = re.sub(r"^(force|torque)_(body_\d+|bottom|top|left|right|around_\d+)$", r"\1_NAME", name)
     return re.sub(r"_(\d+|around)$|^(drag|lift)(_pressure)?_(bottom|top)$", r"\2\3", name)

@@ -94,7 +94,10 @@ def decay_rate(viscosity: float, speed: float, problem: Problem) -> float:
 
 
 def residuals(tolerance: float, least: float, open_ended: bool) -> list[float]:
-    """Return the residuals of pressure and velocities for the ``tolerance`` of a step, of at ``least`` rounding."""
+    """Return the residuals of pressure and velocities for the ``tolerance`` of a step.
+
+    Rounding allows the ``least`` one.
+    """
     parts = PRESSURE_RESIDUAL, VELOCITY_RESIDUAL
     pressure, velocity = (max(part * tolerance, lowest, least) for part, lowest in parts)
     return [max(min(pressure, RESIDUAL_WITH_ENDS), least) if open_ended else pressure, velocity]

@@ -192,6 +192,20 @@ def test_lower_half_is_the_mirror_image_of_the_upper_one(name, colour, overlay):
     assert box.std() > 10  # something is drawn
 
 
+@pytest.mark.parametrize("name", ["sphere_in_stream", "carried_circle"])
+def test_the_fluid_ends_at_open_ends(name):
+    """Also in the cut through an axis, which has each end twice. The picture of a region goes on beyond them."""
+    scene, snapshot = start(name)
+    drawn = Drawn(scene, make_video(960, 480))
+    box = drawn.render(snapshot)[drawn.layout.box.slices].astype(int)
+    column = drawn.layout.low[0] + (np.arange(box.shape[1]) + 0.5) / drawn.layout.pixels_per_length
+    row = drawn.layout.high[1] - (np.arange(box.shape[0]) + 0.5) / drawn.layout.pixels_per_length
+    ground = (np.abs(box - style.rgb(drawn.layout.theme.background)).max(axis=2) < 2)[np.abs(row - 0.2) < 0.1]
+    inside = np.abs(column - 0.5 * scene.extent[0]) < 0.5 * scene.extent[0]
+    assert ground[:, ~inside].all()
+    assert not ground[:, inside].any()
+
+
 def test_streamlines_are_lines_of_the_stream_function_of_stokes_in_both_halves():
     scene, snapshot = start("taylor_vortices")
     cut = FullCut(scene)

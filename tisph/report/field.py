@@ -236,7 +236,7 @@ class FluidPainter:
         self._palette = palette.view(np.uint32).ravel()
         self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
         ends = [body.shape.extent[0, 0] for body in scene.bodies if not body.solid] or [-np.inf, np.inf]
-        (first, last), column = layout.pixel_positions(np.sort(ends), 0.0)[0], np.arange(shape[1]) + 0.5
+        (first, last), column = layout.pixel_positions(np.sort(ends)[[0, -1]], 0.0)[0], np.arange(shape[1]) + 0.5
         self._beyond = (column < first) | (column > last)
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:

@@ -12,7 +12,7 @@ STRESSES = ("stress_xx", "stress_xy", "stress_yy")
 STRESSES_AROUND = ("stress_tt", "stress_xt", "stress_yt")
 """Further components in axisymmetric flow, the last two where walls rotate around the axis."""
 
-OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND, "passages")
+OPTIONAL = ("w", *STRESSES, *STRESSES_AROUND, "passages", "area")
 """Fields that only some flows have."""
 
 
@@ -110,7 +110,7 @@ class Snapshot:
     step to step, over that force, and the body's number. ``velocity_scatter``: scatter of velocities from step to step,
     over the largest velocity, with free bodies or without inertia. ``divergence``: rms of the divergence of the
     velocities over the rms of their gradient, by the operators of the scheme. ``acceleration``: body acceleration along
-    x that keeps a mean velocity.
+    x that keeps a mean velocity. ``area`` (particles_fluid,): area that each particle stands for, where that varies.
 
     With open ends: ``flow_rates`` (2,) into the fluid through inlet and outlet [length^2/time]; ``backflow``: largest
     velocity into the fluid at the outlet, 0 without any; ``passages`` (particles_fluid,): how often the fluid of a
@@ -143,3 +143,4 @@ class Snapshot:
     flow_rates: np.ndarray | None = None
     backflow: float | None = None
     passages: np.ndarray | None = None
+    area: np.ndarray | None = None

@@ -8,6 +8,7 @@ flow with its views.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.outline import EndToEnd
+from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
 from tisph.snapshot import Snapshot
 
 Kind = TypeVar("Kind", bound="FlowInBox")
@@ -128,7 +130,7 @@ class FlowInBox(FlowDefaults):
     """Kinematic viscosity, of solvent and polymer together."""
 
     spacing: float
-    """Distance between neighbouring particles at the start."""
+    """Distance between neighbouring particles at the start, the largest one where it varies."""
 
     units: Any
     """``config.sections.Units``: labels of the units for plots and tables."""
@@ -147,6 +149,17 @@ class FlowInBox(FlowDefaults):
 
     rows: int = 0
     """Particles along y at the start, in a box without ``bodies``."""
+
+    spacing_sources: tuple[Source, ...] = ()
+    """Places near which particles are closer to one another."""
+
+    growth: float = GROWTH
+    """Growth of the spacing over the distance from these."""
+
+    @cached_property
+    def wanted_spacing(self) -> WantedSpacing:
+        """The particle spacing that is wanted at each place."""
+        return WantedSpacing(self.spacing, self.spacing_sources, self.growth)
 
     @property
     def polymer(self) -> PolymerParameters | None:

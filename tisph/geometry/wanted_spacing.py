@@ -1,0 +1,94 @@
+"""The particle spacing that is wanted at each place: fine near its sources, growing away from them.
+
+    h(x, t) = min(H, h_1 + g max(0, d_1(x, t) - w_1), h_2 + g max(0, d_2(x, t) - w_2), ...)
+
+with the spacing H of the flow, the growth g per distance, and of each source k its spacing h_k, the distance d_k from
+it, and the distance w_k up to which its spacing holds. Without sources it is H everywhere.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tisph.geometry.body import Body
+from tisph.geometry.region import nearest_image
+
+GROWTH = 0.1
+"""Usual growth of the spacing over the distance from a source: neighbours differ by a tenth."""
+
+
+class Source(Protocol):
+    """A place near which particles are closer to one another: ``spacing`` up to the distance ``within`` [length]."""
+
+    @property
+    def spacing(self) -> float:
+        """Particle spacing at the source [length]."""
+
+    @property
+    def within(self) -> float:
+        """Distance up to which it holds [length]."""
+
+    def distance(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Return the distances (n,) of ``places`` (n, 2) from the source at ``time``."""
+
+
+@dataclass(frozen=True)
+class NearBody:
+    """The ``Source`` around a ``body`` or a wall."""
+
+    body: Body
+    spacing: float
+    within: float = 0.0
+
+    def distance(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Return the distances (n,) of ``places`` (n, 2) from the wall at ``time``; 0 beyond it."""
+        return np.maximum(self.body.nearest(places, time).distance, 0.0)
+
+
+@dataclass(frozen=True)
+class InBox:
+    """The ``Source`` in a box from the corner ``low`` to the corner ``high``, or at a point, where they are the same.
+
+    ``periods`` (2,) of the flow along x and y, 0 where it is not periodic.
+    """
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    spacing: float
+    within: float = 0.0
+    periods: tuple[float, float] = (0.0, 0.0)
+
+    def distance(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Return the distances (n,) of ``places`` (n, 2) from the box; 0 in it."""
+        low, high = np.array(self.low), np.array(self.high)
+        away = np.abs(nearest_image(places - 0.5 * (low + high), np.array(self.periods))) - 0.5 * (high - low)
+        return np.hypot(*np.maximum(away, 0.0).T)
+
+
+@dataclass(frozen=True)
+class WantedSpacing:
+    """h(x, t), with the ``largest`` spacing H, the ``sources`` and the ``growth`` g."""
+
+    largest: float
+    sources: Sequence[Source] = ()
+    growth: float = GROWTH
+
+    @property
+    def varies(self) -> bool:
+        """Whether there is more than one spacing."""
+        return self.smallest < self.largest
+
+    @property
+    def smallest(self) -> float:
+        """Smallest spacing [length]."""
+        return min([self.largest, *(source.spacing for source in self.sources)])
+
+    def at(self, places: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """Return the spacings (n,) [length] at ``places`` (n, 2), in the frame of the scene, at ``time``."""
+        spacing = np.full(len(places), self.largest)
+        for source in self.sources:
+            away = np.maximum(source.distance(places, time) - source.within, 0.0)
+            spacing = np.minimum(spacing, source.spacing + self.growth * away)
+        return spacing

@@ -206,6 +206,17 @@ def test_the_fluid_ends_at_open_ends(name):
     assert not ground[:, inside].any()
 
 
+def test_streamlines_end_at_open_ends():
+    """A plug leaves through them; the picture of a region goes on beyond."""
+    scene, snapshot = start("sphere_in_stream")
+    layout = arrange(scene, 640, 320)
+    streams = Streamlines(scene, layout)
+    lines = streams.lines(streams.measured(replace(snapshot, u=np.ones_like(snapshot.x))))
+    x = np.concatenate(lines)[:, 0]
+    assert layout.low[0] < 0.0 == pytest.approx(x.min(), abs=1e-12)
+    assert layout.high[0] > scene.extent[0] == pytest.approx(x.max(), abs=1e-12)
+
+
 def test_streamlines_are_lines_of_the_stream_function_of_stokes_in_both_halves():
     scene, snapshot = start("taylor_vortices")
     cut = FullCut(scene)

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from tisph.report import style
-from tisph.report.layout import Layout
+from tisph.report.layout import Layout, open_ends
 from tisph.report.quantities import Quantity
 from tisph.report.raster import Discs, Shades, blend
 from tisph.scenes._scene import Scene
@@ -235,8 +235,7 @@ class FluidPainter:
         palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
         self._palette = palette.view(np.uint32).ravel()
         self._dots = Discs(max(0.5, _DOT * layout.scale), shape)
-        ends = [body.shape.extent[0, 0] for body in scene.bodies if not body.solid] or [-np.inf, np.inf]
-        (first, last), column = layout.pixel_positions(np.sort(ends)[[0, -1]], 0.0)[0], np.arange(shape[1]) + 0.5
+        (first, last), column = layout.pixel_positions(open_ends(scene), 0.0)[0], np.arange(shape[1]) + 0.5
         self._beyond = (column < first) | (column > last)
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:

@@ -137,6 +137,12 @@ def arrange(scene: Scene, width: int, height: int, theme: style.Theme = style.LI
     )  # fmt: skip
 
 
+def open_ends(scene: Scene) -> np.ndarray:
+    """Return x (2,) of the first and the last open end [length], infinite without any."""
+    ends = [body.shape.extent[0, 0] for body in scene.bodies if not body.solid] or [-np.inf, np.inf]
+    return np.sort(ends)[[0, -1]]
+
+
 def _panels(region: Rect, px: Callable[[float], int]) -> tuple[Rect, Rect]:
     """Return the rectangles of profile and series in ``region``: side by side, or one above the other."""
     across, down = px(_GAP[0]), px(_GAP[1])

@@ -25,7 +25,7 @@ from tisph.geometry.body import Body, Placement
 from tisph.geometry.line import Line
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
-from tisph.report.layout import RIM, Layout
+from tisph.report.layout import RIM, Layout, open_ends
 from tisph.report.raster import LEVELS, Discs, Points, blend, dense_lines, filled
 from tisph.scenes._scene import Scene
 from tisph.snapshot import Bodies, Snapshot
@@ -367,6 +367,7 @@ class Streamlines:
         self._least_step = _RESTING * scene.reference_velocity * min(scene.extent) / _LINES
         self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
+        low[0], high[0] = np.clip([low[0], high[0]], *open_ends(scene))
         pitch = max(_FINEST * scene.spacing, np.sqrt(np.prod(high - low) / _MOST))
         self._axes = [np.linspace(*ends, 2 + int(np.diff(ends)[0] / pitch)) for ends in zip(low, high, strict=True)]
         self._nodes = np.stack(np.meshgrid(*self._axes), axis=2)  # (rows, columns, 2)

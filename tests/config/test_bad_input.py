@@ -23,6 +23,7 @@ time:
   end: 2.7
 """
 TEXTS = parse((Path(__file__).parent / "data" / "bad_text.yaml").read_text(encoding="utf-8")).data
+CONFIGS = Path(__file__).parents[2] / "configs"
 LONG = {"DEEP": "a: " + "[" * 10_000, "NINES": "9" * 5000, "LONG:": "d" * 500 + ":"}
 
 
@@ -66,6 +67,26 @@ def test_bad_text(message, old, new, wanted):
 )
 def test_an_override_that_is_none_is_refused(message, override, wanted):
     assert wanted in message(GOOD + "ends: {left: {type: inlet, velocity: 1}, right: {type: outlet}}\n", override)
+
+
+@pytest.mark.parametrize(
+    ("scene", "key", "wanted"),
+    [
+        ("cavity", "ends", "unknown key; only for scenes channel, pipe, region; allowed"),
+        ("taylor_green", "outlet", "a value of ends.left.type, ends.right.type, only for scenes channel, pipe, region"),
+        ("carried_circle", "ends.inlet", "ends.inlet = 1: unknown key; a value of ends.left.type, ends.right.type"),
+        ("couette", "turning", "unknown key; only for scene region;"),
+    ],
+)
+def test_a_key_of_other_scenes_names_them(scene, key, wanted):
+    with pytest.raises(ConfigError, match=re.escape(wanted)):
+        load(CONFIGS / f"{scene}.yaml", [f"{key}=1"])
+
+
+@pytest.mark.parametrize("names", [("tracers", "probes"), ("probes", "tracers")])
+def test_overrides_by_the_former_and_the_present_name_are_refused(message, names):
+    text = message(GOOD, *(f"{name}.count=5" for name in names))
+    assert text == f"--set {names[1]}.count=5: probes: is the new name of tracers: give one of them"
 
 
 def test_several_mistakes_are_listed_in_order_up_to_five(message):

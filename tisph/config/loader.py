@@ -7,7 +7,7 @@ import json
 import re
 import tempfile
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import reduce
 from operator import getitem
@@ -18,8 +18,8 @@ from typing import Any, TypeAlias, get_args, get_origin
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from tisph import registry
 from tisph.config.base import REFUSED, SMALLEST, Model
-from tisph.config.ends import Kind
 from tisph.config.fields import OTHER_TAG, USUAL_TAG_START, Member, nearest
 from tisph.config.schema import FORMER_KEYS, Config, model_of
 from tisph.config.yaml_text import KeyPath, YamlTextError, in_one_line, parse
@@ -46,7 +46,6 @@ TEXTS = {
 
 HINTS = {
     "pressure_gradient": "nearest: drive.acceleration, the force per mass, which is -(pressure gradient)/density",
-    **dict.fromkeys((*get_args(Kind), "ends"), "open ends are only for scene channel, in its section ends"),
     "fluid.viscosity": "dynamic_viscosity, or kinematic_viscosity = dynamic_viscosity / density",
     "slip": "nearest: slip_length of a wall or body, a length or infinite",
     "walls.type": "walls have no type: the fluid has their velocity, or slips with slip_length",
@@ -120,7 +119,8 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
         model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     hint = HINTS.get(f"{place[0]}.{place[-1]}", HINTS.get(str(place[-1])))
-    suggestion = f"; {hint}" if hint else nearest(place[-1], _alike(place[-1], allowed)) or _elsewhere(place, whole)
+    suggestion = f"; {hint}" if hint else _in_scenes(place) or nearest(place[-1], _alike(place[-1], allowed))
+    suggestion = suggestion or _elsewhere(place, whole)
     return f"unknown key{suggestion}; allowed: {', '.join(allowed)}"
 
 
@@ -137,14 +137,28 @@ def _alike(name: object, allowed: Iterable[str]) -> list[str]:
 
 def _elsewhere(place: KeyPath, whole: type[Model]) -> str:
     """Return the one key of this name in another section, as a hint; of deeper places none has the same meaning."""
-    found = [key for key in _dotted_keys(whole) if key.endswith(f".{place[-1]}")]
+    found = [key for key, _ in _dotted_keys(whole) if key.endswith(f".{place[-1]}")]
     return f"; nearest: {found[0]}" if len(place) < 3 and len(found) == 1 else ""
 
 
-def _dotted_keys(model: type[Model], before: str = "") -> Iterator[str]:
-    """Yield the dotted names of all keys, except the keys of family members."""
+def _in_scenes(place: KeyPath) -> str:
+    """Return the scenes that have a section of this name, or the keys that have its name as a value, as a hint."""
+    found: dict[str, list[str]] = {}
+    for scene in registry.names("scenes"):
+        for key, field in _dotted_keys(registry.load("scenes", scene).Config):
+            if place == (key,) or place[-1] in get_args(field.annotation):
+                found.setdefault(key, []).append(scene)
+    if not found:
+        return ""
+    value = "" if place[-1] in found else f"a value of {', '.join(found)}, "
+    scenes = sorted({scene for each in found.values() for scene in each})
+    return f"; {value}only for scene{'s' * (len(scenes) > 1)} {', '.join(scenes)}"
+
+
+def _dotted_keys(model: type[Model], before: str = "") -> Iterator[tuple[str, FieldInfo]]:
+    """Yield the dotted names and the fields of all keys, except the keys of family members."""
     for name, field in model.model_fields.items():
-        yield before + name
+        yield before + name, field
         below = _static_model(field)
         if below:
             yield from _dotted_keys(below, f"{before}{name}.")
@@ -232,6 +246,7 @@ class Source:
         self.data: dict[str, Any] = {}
         self._origins: dict[KeyPath, tuple[int, str]] = {}
         self._former: dict[str, str] = {}
+        self._overridden: set[str] = set()
 
     def read(self) -> None:
         """Read the data of the file; raises ConfigError."""
@@ -243,11 +258,7 @@ class Source:
         if not isinstance(document.data, dict):
             kind = {list: "a list", type(None): "empty"}.get(type(document.data), "a single value")
             raise ConfigError(f"{self.path}: is {kind}; it must be a map of keys such as 'scene: channel'")
-        for old, new in FORMER_KEYS.items():
-            if old in document.data and new in document.data:
-                raise ConfigError(
-                    f"{self.path}:{document.lines[new,]}: {new}: is the new name of {old}: give one of them"
-                )
+        self._check_names(document.data, lambda new: f"{self.path}:{document.lines[new,]}: ")
         self.data = {self._present(key): value for key, value in document.data.items()}
         for (key, *below), line in document.lines.items():
             place = (self._present(str(key)), *below)
@@ -258,6 +269,8 @@ class Source:
         dotted, equals, value = text.partition("=")
         label = f"--set {in_one_line(text)}"
         first, *below = (part.strip() for part in dotted.split("."))
+        self._overridden.add(first)
+        self._check_names(self._overridden, lambda new: f"{label}: ")
         keys = (self._present(first), *below)
         if not equals or not all(keys):
             raise ConfigError(f"{label}: must look like key.path=value, such as time.end=2.7")
@@ -281,6 +294,13 @@ class Source:
         for old in replaced:
             del self._origins[old]
         self._origins[place] = origin
+
+    @staticmethod
+    def _check_names(sections: Container[str], where: Callable[[str], str]) -> None:
+        """Raise ConfigError if ``sections`` have one section by two names; ``where(new)`` begins its message."""
+        for old, new in FORMER_KEYS.items():
+            if old in sections and new in sections:
+                raise ConfigError(f"{where(new)}{new}: is the new name of {old}: give one of them")
 
     def _present(self, key: str) -> str:
         """Return the present name of a section, and store its former name if the config has that."""

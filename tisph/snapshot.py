@@ -144,3 +144,12 @@ class Snapshot:
     backflow: float | None = None
     passages: np.ndarray | None = None
     area: np.ndarray | None = None
+
+    @property
+    def weight(self) -> Any:
+        """Weight of each particle in sums over particles: its area over the mean area (particles,), 1 without areas."""
+        return 1.0 if self.area is None else self.area / np.mean(self.area)
+
+    def widths(self, spacing: float) -> np.ndarray:
+        """Return the widths (particles,) [length] of the particles: roots of their areas, ``spacing`` without areas."""
+        return np.full(len(self.x), spacing) if self.area is None else np.sqrt(self.area)

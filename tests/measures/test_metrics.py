@@ -138,7 +138,7 @@ def test_what_rounds_away_in_the_frame_is_nothing_to_be_relative_to():
     nothing = ROUNDINGS * np.spacing(1e6)
     for factor, expected in ((2.0, 0.5), (0.5, None)):
         exact = np.full(100, 1e6 + factor * nothing)
-        snapshot = SimpleNamespace(u=exact + nothing, reference={"u": exact})
+        snapshot = SimpleNamespace(u=exact + nothing, reference={"u": exact}, weight=1.0)
         assert relative_error(SimpleNamespace(frame_velocity=1e6, fields=("u",)), snapshot) == expected
 
 

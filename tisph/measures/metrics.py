@@ -35,10 +35,11 @@ def sample_metrics(
     does not exist, such as an error without a reference, or a relative error of a fluid at rest.
 
     ``t``, ``step`` (the number of steps so far), ``t_star`` = t / time scale of the scene; ``resolved``, and a
-    ``reason`` where it is not (``resolution.py``). Over the particles at their own positions, for the velocity
-    components u that have a reference: ``l2`` = sqrt(sum |u-u_exact|^2 / sum |u_exact|^2), with u relative to the
-    scene's ``frame_velocity``; ``rms`` = sqrt(mean |u-u_exact|^2) / U and ``linf`` = max |u-u_exact| / U, with U the
-    reference velocity. ``rms`` is meaningful at all times, ``l2`` is not where u crosses zero.
+    ``reason`` where it is not (``resolution.py``). Over the particles at their own positions, weighted by their areas
+    where these vary, for the velocity components u that have a reference: ``l2`` = sqrt(sum |u-u_exact|^2 / sum
+    |u_exact|^2), with u relative to the scene's ``frame_velocity``; ``rms`` = sqrt(mean |u-u_exact|^2) / U and ``linf``
+    = max |u-u_exact| / U, with U the reference velocity. ``rms`` is meaningful at all times, ``l2`` is not where u
+    crosses zero.
     """
     snapshot = with_reference(scene, snapshot)
     squares = _squared_errors(scene, snapshot)
@@ -70,13 +71,14 @@ def relative_error(scene: FlowInBox, snapshot: Snapshot) -> float | None:
         return None
     for components in (values, exact):
         components[0] -= scene.frame_velocity
-    return relative_difference(values, exact, ROUNDINGS * np.spacing(abs(scene.frame_velocity)))
+    rounding = ROUNDINGS * np.spacing(abs(scene.frame_velocity))
+    return relative_difference(values, exact, snapshot.weight, rounding)
 
 
 def rms_error(scene: FlowInBox, snapshot: Snapshot) -> float | None:
     """Return sqrt(mean |u - u_exact|^2) over the particles, over the reference velocity; None without a reference."""
     squares = _squared_errors(scene, snapshot)
-    return None if squares is None else float(np.sqrt(np.mean(squares))) / scene.reference_velocity
+    return None if squares is None else float(np.sqrt(np.mean(snapshot.weight * squares))) / scene.reference_velocity
 
 
 def root_mean_square(values: np.ndarray) -> float:
@@ -96,7 +98,9 @@ def field_error(scene: FlowInBox, snapshot: Snapshot, field: str) -> float | Non
     """
     exact = (with_reference(scene, snapshot, (field,)).reference or {})[field]
     values = getattr(snapshot, field)
-    return relative_difference(values - np.mean(values - exact) if field == "pressure" else values, exact)
+    if field == "pressure":
+        values = values - np.mean(snapshot.weight * (values - exact))
+    return relative_difference(values, exact, snapshot.weight)
 
 
 def velocities(scene: FlowInBox, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
@@ -108,10 +112,14 @@ def velocities(scene: FlowInBox, snapshot: Snapshot) -> tuple[np.ndarray, np.nda
     return values, np.array([exact[name] for name in names], dtype=float)
 
 
-def relative_difference(values: np.ndarray, exact: np.ndarray, nothing: float = 0.0) -> float | None:
-    """Return |values - exact| / |exact| in the L2 norm; None where the root mean square of ``exact`` is ``nothing``."""
-    norm = float(np.linalg.norm(exact))
-    return float(np.linalg.norm(values - exact)) / norm if norm > nothing * np.shape(exact)[-1] ** 0.5 else None
+def relative_difference(values: np.ndarray, exact: np.ndarray, weight: Any, nothing: float = 0.0) -> float | None:
+    """Return |values - exact| / |exact| in the L2 norm; None where the root mean square of ``exact`` is ``nothing``.
+
+    ``values`` and ``exact`` (..., particles); ``weight``: ``Snapshot.weight`` of the particles.
+    """
+    norm = float(np.linalg.norm(weight**0.5 * exact))
+    off = float(np.linalg.norm(weight**0.5 * (values - exact)))
+    return off / norm if norm > nothing * np.shape(exact)[-1] ** 0.5 else None
 
 
 def fit_line(y: np.ndarray, u: np.ndarray) -> tuple[float, float]:

@@ -193,10 +193,11 @@ class AxisymmetricScene(BodyScene):
     def kinetic_energies(self, snapshot: Snapshot) -> np.ndarray:
         """Return the mean kinetic energies per mass (3,): of the flow along the axis, along radii and around the axis.
 
-        The particles are even in the half-plane, so the weight of each in the mean over the volume is its radius y.
+        The weight of each particle in the mean over the volume is its area in the half-plane times its radius y.
         """
+        weight = snapshot.weight * snapshot.y
         parts: tuple[Any, ...] = (snapshot.u, snapshot.v, snapshot.w)
-        return np.array([0.5 * float(np.average(np.square(part), weights=snapshot.y)) for part in parts])
+        return np.array([0.5 * float(np.average(np.square(part), weights=weight)) for part in parts])
 
     def mean_velocity(self, snapshot: Snapshot) -> float:
         """Return the mean velocity along the axis over a cross-section."""

@@ -395,7 +395,7 @@ def pressure_profile(scene: FlowInBox, line: Line) -> Profile:
         return scene.exact("pressure", x, y, t)
 
     def of(snapshot: Snapshot) -> np.ndarray:
-        return snapshot.pressure - np.mean(snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t))
+        return snapshot.pressure - np.mean(snapshot.weight * (snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t)))
 
     scale = (scene.density * scene.reference_velocity**2, "density U²")
     return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)
@@ -409,16 +409,17 @@ def vorticity_profile(scene: FlowInBox, line: Line, exact: Callable) -> Profile:
 def velocity_errors(scene: FlowInBox, snapshot: Snapshot, u: np.ndarray, v: np.ndarray) -> dict[str, float]:
     """Return ``l2``, ``rms`` and ``linf`` of ``sample_metrics`` against ``u``, ``v`` (particles,) of a steady flow."""
     squares, speed = (snapshot.u - u) ** 2 + (snapshot.v - v) ** 2, scene.reference_velocity
+    weight = snapshot.weight
     return {
-        "l2": np.sqrt(np.sum(squares) / np.sum(u**2 + v**2)),
-        "rms": np.sqrt(np.mean(squares)) / speed,
+        "l2": np.sqrt(np.sum(weight * squares) / np.sum(weight * (u**2 + v**2))),
+        "rms": np.sqrt(np.mean(weight * squares)) / speed,
         "linf": np.sqrt(np.max(squares)) / speed,
     }
 
 
 def kinetic_energy(snapshot: Snapshot) -> float:
     """Return the mean over the particles of (u^2 + v^2)/2."""
-    return 0.5 * np.mean(np.square(snapshot.u) + np.square(snapshot.v))
+    return 0.5 * np.mean(snapshot.weight * (np.square(snapshot.u) + np.square(snapshot.v)))
 
 
 def energy_series(scene: FlowInBox) -> TimeSeries:
@@ -445,7 +446,7 @@ def planar_diagnostics(scene: FlowInBox, snapshot: Snapshot) -> tuple[float, dic
     slopes = velocity_gradients(scene, snapshot)
     largest = np.max(np.linalg.norm(slopes, axis=0))
     distance, radius = min_distance(scene, snapshot), max_void_radius(scene, snapshot)
-    return np.mean(np.square(slopes[2] - slopes[1])), {
+    return np.mean(snapshot.weight * np.square(slopes[2] - slopes[1])), {
         "divergence_over_gradient": np.max(np.abs(slopes[0] + slopes[3])) / largest if largest else None,
         "min_distance": distance,
         "max_void_radius": radius,

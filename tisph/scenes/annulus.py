@@ -350,8 +350,8 @@ class Annulus(BetweenCylinders):
         if self.polymer:
             around, exact_shear, along = self.exact_polymer_stress(snapshot.x, snapshot.y, snapshot.t)
             shear, normal = self.polymer_stress(snapshot)
-            numbers["shear_stress_l2"] = relative_difference(shear, exact_shear)
-            numbers["normal_stress_l2"] = relative_difference(normal, around - along)
+            numbers["shear_stress_l2"] = relative_difference(shear, exact_shear, snapshot.weight)
+            numbers["normal_stress_l2"] = relative_difference(normal, around - along, snapshot.weight)
         exact = self.exact_torques(snapshot.t)
         for index, name in enumerate(("inner", "outer")):
             numbers[f"torque_{name}"] = bodies_in(snapshot).torque[index]

@@ -141,12 +141,12 @@ class Scene(AnyScene):
             slopes = velocity_gradients(self, snapshot)
             squared = (slopes[0] - slopes[3]) ** 2 + (slopes[1] + slopes[2]) ** 2
             law = self.rheology.law(self.kinematic_viscosity, self.density)
-            dissipation = np.mean(law.viscosity(squared) * squared)
+            dissipation = np.mean(snapshot.weight * law.viscosity(squared) * squared)
         return {
             "kinetic_energy": kinetic_energy(snapshot),
             "dissipation": dissipation,
-            "mean_u": np.mean(snapshot.u),
-            "mean_v": np.mean(snapshot.v),
+            "mean_u": np.mean(snapshot.weight * snapshot.u),
+            "mean_v": np.mean(snapshot.weight * snapshot.v),
             **others,
         }
 

@@ -143,7 +143,8 @@ class Scene(AnyScene):
         t, flow = snapshot.t, self._flow
         square, others = planar_diagnostics(self, snapshot)
         values, exact = velocities(self, snapshot)
-        exact_square = np.mean(np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
+        weight = snapshot.weight
+        exact_square = np.mean(weight * np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
         dissipation = taylor_green.dissipation(t, **flow)
         return {
             "l2_pressure": field_error(self, snapshot, "pressure"),
@@ -151,7 +152,7 @@ class Scene(AnyScene):
             "kinetic_energy_exact": taylor_green.kinetic_energy(t, **flow),
             "dissipation": dissipation * square / exact_square,
             "dissipation_exact": dissipation,
-            "momentum_drift": np.linalg.norm(np.mean(values - exact, axis=1)) / self.reference_velocity,
+            "momentum_drift": np.linalg.norm(np.mean(weight * (values - exact), axis=1)) / self.reference_velocity,
             **others,
         }
 
@@ -210,5 +211,5 @@ class Scene(AnyScene):
 
     def _kinetic_energy(self, snapshot: Snapshot) -> float:
         exact = np.array(taylor_green.velocity(snapshot.x, snapshot.y, snapshot.t, **self._flow))
-        square = np.sum(np.square([snapshot.u, snapshot.v], dtype=float))
-        return taylor_green.kinetic_energy(snapshot.t, **self._flow) * square / np.sum(exact**2)
+        square = np.sum(snapshot.weight * np.square([snapshot.u, snapshot.v], dtype=float))
+        return taylor_green.kinetic_energy(snapshot.t, **self._flow) * square / np.sum(snapshot.weight * exact**2)

@@ -208,7 +208,7 @@ def _sample_estimate(
     ``least``: error that residuals may have, over the reference velocity.
     """
     exact = channel.exact_velocity(heights, time)
-    layers: Any = lambda u: SimpleNamespace(t=time, u=u, reference={"u": exact})  # noqa: E731
+    layers: Any = lambda u: SimpleNamespace(t=time, u=u, reference={"u": exact}, weight=1.0)  # noqa: E731
     scale = relative_error(channel, layers(exact + channel.reference_velocity))  # L2 over rms
     error: Any = rms_error(channel, layers(velocity))
     rms = max(error, least)

@@ -188,6 +188,7 @@ def _fields(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[str,
     if compared[0].polymer:
         names["polymer_stress"] = STRESSES
     coarsest = snapshots[0]
+    weight = np.reshape(coarsest.weight, (-1, 1))
     points = np.stack([coarsest.x, coarsest.y], axis=1).astype(float)
     found = {}
     for name, parts in names.items():
@@ -195,10 +196,10 @@ def _fields(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[str,
         finer = zip(compared[1:], snapshots[1:], values[1:], strict=True)
         values = [values[0], *(_at(*each, points) for each in finer)]
         if name == "pressure":  # known up to a constant
-            values = [each - each.mean() for each in values]
+            values = [each - np.mean(weight * each) for each in values]
         if name == "velocity":
             values = [each - [compared[0].frame_velocity, 0.0] for each in values]
-        found[name] = _norms(values)
+        found[name] = _norms([weight**0.5 * each for each in values])
     return found
 
 

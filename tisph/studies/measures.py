@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from tisph import scenes
 from tisph.measures.channel import integral
 from tisph.measures.fits import interpolated
+from tisph.measures.metrics import relative_difference
 from tisph.results import open_run
 from tisph.studies.expressions import Number
 from tisph.studies.processes import Result
@@ -295,12 +296,13 @@ def _angular_momentum(result: Result, place: int) -> float:
 
 def _off_finer(field: str, place: int, result: Result, finer: Result) -> float:
     """Return the relative L2 difference of a field to the field of a finer run, over the particles of the coarser."""
-    names, points, values = {"velocity": "uv", "pressure": ["pressure"]}[field], [], []
-    for run in (result, finer):
-        arrays, sample = run.arrays(), f"sample_{place:03d}"
-        points.append(np.stack([arrays[f"{sample}/{name}"] for name in "xy"], axis=1))
-        values.append(np.stack([arrays[f"{sample}/{name}"] for name in names], axis=1))
+    names = {"velocity": "uv", "pressure": ["pressure"]}[field]
+    both = [list(open_run(run.folder).snapshots())[place] for run in (result, finer)]
+    points = [np.stack([each.x, each.y], axis=1) for each in both]
+    values = [np.stack([getattr(each, name) for name in names], axis=1) for each in both]
     values[1] = interpolated(scenes.of(open_run(finer.folder).config), points[1], values[1], points[0])
+    weight, values = both[0].weight, [each.T for each in values]
     if field == "pressure":  # known up to a constant
-        values = [each - each.mean() for each in values]
-    return float(np.linalg.norm(values[0] - values[1]) / np.linalg.norm(values[1]))
+        values = [each - np.mean(weight * each) for each in values]
+    off: Any = relative_difference(*values, weight)
+    return off

@@ -37,3 +37,16 @@ def make_snapshot(scene, t=0.5, jitter=0.2, **changes) -> Snapshot:
 def scaled(snapshot, factor) -> Snapshot:
     """``snapshot`` with ``factor`` times its velocities."""
     return replace(snapshot, u=factor * snapshot.u, v=factor * snapshot.v)
+
+
+def crowded(scene, t=0.5, crowding=0.6) -> Snapshot:
+    """Particles with the exact flow, (1 + crowding)/(1 - crowding) times closer in the corners than in the middle.
+
+    They are a lattice under the map s - crowding sin(2 pi s)/(2 pi) of both coordinates, whose derivatives give the
+    areas: sums of smooth periodic functions times these areas are integrals but for rounding.
+    """
+    turn = 2.0 * np.pi * np.array(scene.lattice()) / scene.length
+    x, y = scene.length / (2.0 * np.pi) * (turn - crowding * np.sin(turn))
+    area = scene.spacing**2 * np.prod(1.0 - crowding * np.cos(turn), axis=0)
+    fields = {name: scene.exact(name, x, y, t) for name in scene.fields}
+    return Snapshot(t=t, step=7, x=x, y=y, density=np.full_like(x, scene.density), area=area, **fields)

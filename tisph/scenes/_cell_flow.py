@@ -413,7 +413,8 @@ class CellFlow(BodyScene):
             if self.polymer:
                 carried = carried + snapshot.stress_xy
             fraction = self.region.area / self.area
-            fluid = self.density * self.solvent_viscosity * rate + fraction * float(np.mean(snapshot.weight * carried, dtype=float))
+            mean = float(np.mean(snapshot.weight * carried, dtype=float))
+            fluid = self.density * self.solvent_viscosity * rate + fraction * mean
             total = 0.0
             for index, body in enumerate(self.bodies[: self.count]):
                 force = -(bodies.force[index, 0] + bodies.contact_force[index, 0])  # holds a body that is not free

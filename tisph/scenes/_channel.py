@@ -382,7 +382,8 @@ class Channel(ChannelFlow, Scene):
         found: dict[str, Any] = {}
         if self.polymer:
             exact: Any = snapshot.reference
-            found["shear_stress_l2"] = relative_difference(np.asarray(snapshot.stress_xy), exact["stress_xy"], snapshot.weight)
+            shear = np.asarray(snapshot.stress_xy)
+            found["shear_stress_l2"] = relative_difference(shear, exact["stress_xy"], snapshot.weight)
             normal = exact["stress_xx"] - exact["stress_yy"]
             found["normal_stress_l2"] = relative_difference(n1(snapshot), normal, snapshot.weight)
         y, u = series[:2]

@@ -395,7 +395,8 @@ def pressure_profile(scene: FlowInBox, line: Line) -> Profile:
         return scene.exact("pressure", x, y, t)
 
     def of(snapshot: Snapshot) -> np.ndarray:
-        return snapshot.pressure - np.mean(snapshot.weight * (snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t)))
+        off = snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t)
+        return snapshot.pressure - np.mean(snapshot.weight * off)
 
     scale = (scene.density * scene.reference_velocity**2, "density U²")
     return Profile(name="p", unit="stress", line=line, of=of, exact=exact, scale=scale)

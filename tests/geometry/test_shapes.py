@@ -8,6 +8,7 @@ import pytest
 from scipy.special import ellipe, ellipeinc
 from shapes import CLOSED, ELL, ellipse, wavy
 
+from tisph.geometry import spline
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
@@ -212,6 +213,18 @@ def test_a_smooth_wall_meets_a_wave_with_sixth_order():
         assert errors[2] < errors[1] / 2**6
     wall = SmoothOutline(cosine(48), periodic=True)
     assert wall.convex_radius == pytest.approx(1.0 / (0.2 * np.pi**2), rel=1e-4)
+
+
+def test_places_beside_a_smooth_wall_find_it_in_few_iterations(monkeypatch):
+    """Beside its ends and its points as well, where round-off says on which side of them the closest point is."""
+    monkeypatch.setattr(spline, "NEWTON_STEPS", 8)
+    wall = SmoothOutline(cosine(48, places=25))
+    foot = wall.boundary_points(0.01)
+    foot = wall.nearest(np.concatenate([foot.point, cosine(48, places=25), wall.ends]))
+    height = 0.4 * RANDOM.uniform(0.0, 1.0, (len(foot.point), 1))  # the fluid's smallest radius of curvature is 0.5
+    found = wall.nearest(foot.point + height * foot.normal)
+    assert np.abs(found.point - foot.point).max() < ROUNDING
+    assert np.abs(found.distance - height[:, 0]).max() < ROUNDING
 
 
 PERIODIC = {

@@ -146,9 +146,9 @@ class _Waves:
     ahead: np.ndarray
 
     def __call__(self, parameter: np.ndarray, derivative: int = 0) -> np.ndarray:
-        """Return places (n, 2) at parameters (n,), or their first or second derivative."""
+        """Return places (n, 2) at parameters (n,), or their derivative of an order ``derivative``."""
         along = (parameter / self.period - 1.0, np.full_like(parameter, 1.0 / self.period), np.zeros_like(parameter))
-        return self.waves(parameter % self.period, derivative) + along[derivative][..., None] * self.ahead
+        return self.waves(parameter % self.period, derivative) + along[min(derivative, 2)][..., None] * self.ahead
 
 
 @dataclass(frozen=True)

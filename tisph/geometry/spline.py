@@ -21,7 +21,7 @@ LARGEST_TURN, HALVINGS = 0.2, 8
 """Largest turn [radians] from sample to sample, and most halvings of a piece to achieve it."""
 
 NEWTON_STEPS = 60
-"""Most iterations; 4 or 5 suffice from the nearest sample, except near a centre of curvature."""
+"""Most iterations; 4 or 5 suffice, except near a centre of curvature."""
 
 
 @dataclass(frozen=True)
@@ -116,62 +116,80 @@ class Spline(ClosedCurve):
         speed = np.linalg.norm(self._curve(parameter, 1), axis=-1)
         return np.concatenate([[0.0], np.cumsum(np.sum(weight * speed, axis=1))])
 
-    def _normals(self, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return normals (n, 2) for fluid outside and curvatures (n,) at parameters (n,)."""
-        slope, bend = self._curve(parameter, 1), self._curve(parameter, 2)
-        speed = np.linalg.norm(slope, axis=-1)
-        return slope[..., ::-1] * [1.0, -1.0] / speed[..., None], _cross(slope, bend) / speed**3
-
-    def _nearest(self, points: np.ndarray) -> ClosestPoint:
-        parameter = self._nearest_parameter(points)
-        point, (normal, curvature) = self._curve(parameter), self._normals(parameter)
-        distance = np.sum((points - point) * normal, axis=1)
-        return ClosestPoint(point, normal, curvature, distance)
-
-    def _nearest_parameter(self, points: np.ndarray) -> np.ndarray:
-        """Solve (c - p).c' = 0 by Newton's method from the nearest sample, bisecting where it leaves its bracket."""
-        parameter, low, high = self._nearest_sample(points)
-        period = self._knots[-1]
-        left = np.arange(len(points))
-        for _ in range(NEWTON_STEPS):
-            here = parameter[left]
-            away, slope = self._curve(here % period) - points[left], self._curve(here % period, 1)
-            value = np.sum(away * slope, axis=1)
-            low[left], high[left] = np.where(value < 0, here, low[left]), np.where(value > 0, here, high[left])
-            change = np.sum(slope**2 + away * self._curve(here % period, 2), axis=1)
-            there = here - value / np.where(change > 0, change, np.inf)
-            outside = (there <= low[left]) | (there >= high[left]) | (change <= 0)
-            there = np.where(outside & (value != 0), 0.5 * (low[left] + high[left]), there)
-            parameter[left] = there
-            left = left[np.abs(there - here) > 1e-14 * period]
-            if not len(left):
-                break
-        return parameter % period
-
-    def _nearest_sample(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the parameters (n,) of the nearest sample of the nearest branch, and of the samples before and after.
-
-        The nearest sample may lie on another branch of the curve; therefore the chords of four samples are compared.
-        From the nearest chord the search goes to the sample that is nearer than its neighbours.
-        """
+    @cached_property
+    def _tree(self) -> Any:
+        """Search tree of the samples."""
         from scipy.spatial import cKDTree
 
-        parameter, place = self._samples
-        period, count = self._knots[-1], len(parameter)
-        near = cKDTree(place).query(points, k=4)[1]
-        first = np.concatenate([near - 1, near], axis=1) % count
+        return cKDTree(self._samples[1])
+
+    @cached_property
+    def _pieces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The polynomials from sample to sample: coefficients (6, m, 2), and half of each piece (m,).
+
+        The place at a parameter t from the middle of a piece is the sum of coefficient k times t^k. And slopes (m, 2)
+        of the curve at the samples.
+        """
+        start = self._samples[0]
+        half = 0.5 * np.diff(start, append=self._knots[-1])
+        powers = range(DEGREE + 1)
+        coefficients = np.stack([self._curve(start + half, power) / math.factorial(power) for power in powers])
+        return coefficients, half, self._curve(start, 1)
+
+    def _normals(self, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return normals (n, 2) for fluid outside and curvatures (n,) at parameters (n,)."""
+        return _bent(self._curve(parameter, 1), self._curve(parameter, 2))
+
+    def _nearest(self, points: np.ndarray) -> ClosestPoint:
+        """Solve (c - p).c' = 0 by Newton's method on the piece with the solution, bisecting where it leaves that."""
+        coefficients, halves, slopes = self._pieces
+        sample = self._nearest_sample(points)
+        beyond = _dot(points - self._samples[1][sample], slopes[sample]) < 0.0
+        piece = (sample - beyond) % len(halves)
+        half = 1.1 * halves[piece]  # a solution at a sample may be beyond it by round-off, iterates by more
+        low, high, along, left = -half, half, np.zeros(len(points)), np.arange(len(points))
+        for _ in range(NEWTON_STEPS):
+            here = along[left]
+            place, slope, bend = _derivatives(np.take(coefficients, piece[left], axis=1), here)
+            away = place - points[left]
+            value, change = _dot(away, slope), _dot(slope, slope) + _dot(away, bend)
+            low[left], high[left] = np.where(value < 0, here, low[left]), np.where(value > 0, here, high[left])
+            there = here - value / np.where(change > 0, change, np.inf)
+            found = (change > 0) & (np.abs(there - here) <= 1e-14 * self._knots[-1])
+            outside = ((there <= low[left]) | (there >= high[left]) | (change <= 0)) & ~found
+            along[left] = np.where(outside, 0.5 * (low[left] + high[left]), there)
+            left = left[~found]
+            if not len(left):
+                break
+        place, slope, bend = _derivatives(np.take(coefficients, piece, axis=1), along)
+        normal, curvature = _bent(slope, bend)
+        return ClosestPoint(place, normal, curvature, _dot(points - place, normal))
+
+    def _nearest_sample(self, points: np.ndarray) -> np.ndarray:
+        """Return the numbers (n,) of the nearest sample of the nearest branch.
+
+        The nearest sample may lie on another branch of the curve. Therefore, unless the four nearest samples follow
+        each other, their chords are compared. From the nearest chord the search goes to the sample that is nearer than
+        its neighbours.
+        """
+        place = self._samples[1]
+        count = len(place)
+        near = self._tree.query(points, k=4)[1]
+        sample = near[:, 0]
+        several = np.flatnonzero((np.abs((near - near[:, :1] + 3) % count - 3) > 3).any(axis=1))
+        points, first = points[several], np.concatenate([near[several] - 1, near[several]], axis=1) % count
         chord = np.roll(place, -1, axis=0) - place
         along = np.sum((points[:, None] - place[first]) * chord[first], axis=2) / np.sum(chord[first] ** 2, axis=2)
         away = points[:, None] - place[first] - np.clip(along, 0.0, 1.0)[..., None] * chord[first]
-        sample = first[np.arange(len(points)), np.argmin(np.sum(away**2, axis=2), axis=1)]
-        while True:
-            around = (sample[:, None] + np.array([0, -1, 1])) % count
+        rows = np.arange(len(several))
+        nearest = first[rows, np.argmin(np.sum(away**2, axis=2), axis=1)]
+        nearer = np.ones(1)
+        while nearer.any():
+            around = (nearest[:, None] + np.array([0, -1, 1])) % count
             nearer = np.argmin(np.sum((points[:, None] - place[around]) ** 2, axis=2), axis=1)
-            if not nearer.any():
-                break
-            sample = around[np.arange(len(points)), nearer]
-        closed = np.concatenate([[parameter[-1] - period], parameter, [period]])
-        return closed[sample + 1], closed[sample], closed[sample + 2]
+            nearest = around[rows, nearer]
+        sample[several] = nearest
+        return sample
 
     def _spread(self, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         along = evenly(self.length, spacing, least=3)
@@ -196,9 +214,34 @@ class Spline(ClosedCurve):
         return parameter
 
 
+def _derivatives(coefficients: np.ndarray, along: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return values, first and second derivatives (n, 2) at ``along`` (n,) of polynomials, ``coefficients`` (k, n, 2).
+
+    By Horner's rule.
+    """
+    value, t = coefficients[-1], along[:, None]
+    slope, bend = np.zeros_like(value), np.zeros_like(value)
+    for coefficient in coefficients[-2::-1]:
+        bend = bend * t + slope
+        slope = slope * t + value
+        value = value * t + coefficient
+    return value, slope, 2.0 * bend
+
+
+def _bent(slope: np.ndarray, bend: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return normals (n, 2) for fluid outside and curvatures (n,) for derivatives (n, 2) of a curve."""
+    speed = np.linalg.norm(slope, axis=-1)
+    return slope[..., ::-1] * [1.0, -1.0] / speed[..., None], _cross(slope, bend) / speed**3
+
+
 def _radius(curvature: float) -> float:
     """Return the radius of a ``curvature``, infinite for one of 0 or below."""
     return float(1 / curvature) if curvature > 0 else math.inf
+
+
+def _dot(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return the scalar products (n,) of vectors (n, 2)."""
+    return np.einsum("ni,ni->n", one, other)
 
 
 def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:

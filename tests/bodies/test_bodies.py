@@ -14,6 +14,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
 from tisph.geometry.motion import REST, RigidMotion, WallMotion
+from tisph.geometry.wanted_spacing import NearBody, WantedSpacing
 
 SCENE = """\
 \"\"\"A scene of a test, with bodies.\"\"\"
@@ -92,7 +93,7 @@ def test_motions(bodies):
 
 def test_bodies_need_two_spacings_of_room():
     """At walls, among themselves and their copies, and on the way of those that move."""
-    spacing, periods = 0.02, (1.0, math.inf)
+    spacing, periods = WantedSpacing(0.02), (1.0, math.inf)
     walls = {"the bottom wall": Body(Line((0, 0), (1, 0), 1.0)), "the top wall": Body(Line((0, 1), (-1, 0), 1.0))}
 
     def circle(x, y, radius=0.1, **more):
@@ -104,6 +105,7 @@ def test_bodies_need_two_spacings_of_room():
         "bodies.0.centre",
         "comes within 0.03 of the bottom wall: leave 2 spacings, 0.04, or take a spacing of at most 0.015",
     )
+    assert list(problems([close := circle(0.2, 0.13)], walls, WantedSpacing(0.02, (NearBody(close, 0.01),)))) == []
     (outside,) = problems([circle(0.2, 1.05)], walls, spacing)
     assert outside[1].startswith("overlaps the top wall, by 0.15")
     ((key, text, other),) = problems([circle(0.05, 0.5), circle(0.9, 0.5)], walls, spacing)

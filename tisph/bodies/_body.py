@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Signed, findings, refusals, refuse
 from tisph.config.fields import either
-from tisph.config.motion import SlipLength, slip_length_of
+from tisph.config.motion import SlipLength, Spacing, slip_length_of
 from tisph.geometry.body import Body
 from tisph.geometry.motion import FREEDOMS, REST, FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import Shape, centroid, polar_moment
@@ -88,13 +88,13 @@ class Placed(Model):
     angle that keep their initial velocity. It may be in the fluid from the time on at which it ``enters``, by default
     with the velocities of the fluid in its place.
 
-    ``slip_length`` of its wall: see ``config/motion.SlipLength``.
+    ``slip_length`` and ``spacing`` of its wall: see ``config/motion.py``.
 
     Parameters of a shape add its size, in the frame of the centre; ``shaped_by`` is the key that defines it.
     """
 
     shaped_by: ClassVar[str]
-    unset_keys = (*FREE_KEYS, "slip_length")
+    unset_keys = (*FREE_KEYS, "slip_length", "spacing")
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0
@@ -109,6 +109,7 @@ class Placed(Model):
     torque: Signed | None = None
     enters: Positive | None = None
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_free(self) -> "Placed":

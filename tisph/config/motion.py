@@ -23,6 +23,10 @@ As on a flat free surface, or a plane of symmetry.
 """
 
 
+Spacing = Positive | None
+"""Particle spacing at a wall [length], at most that of the flow; away from the wall it grows to it. None: the same."""
+
+
 def slip_length_of(wall: Any) -> float:
     """Return the slip length [length] of a ``wall`` or body of a config: 0 without slip, infinite without friction."""
     given = wall.slip_length if wall is not None else None

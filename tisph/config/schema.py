@@ -172,6 +172,23 @@ class Config(Model):
         """Whether the flow is singular somewhere: then a step has no finite error, and no tolerance sets it."""
         return False
 
+    def at_walls(self, name: str) -> dict[str, Any]:
+        """Return the values of the key ``name`` of walls and bodies that have one, by the dotted keys of these."""
+        walls, bodies = getattr(self, "walls", None), getattr(self, "bodies", ())
+        parts = {f"walls.{each}": getattr(walls, each) for each in type(walls).model_fields} if walls else {}
+        listed = isinstance(bodies, tuple)
+        parts |= {f"bodies.{index}": body for index, body in enumerate(bodies)} if listed else {"bodies": bodies}
+        parts["sphere"] = getattr(self, "sphere", None)
+        found = {key: getattr(part, name, None) for key, part in parts.items()}
+        return {key: value for key, value in found.items() if value is not None}
+
+    @property
+    def spacings(self) -> dict[str, float]:
+        """The spacings [length] of walls, bodies and places with one of their own, by dotted key."""
+        found = {f"{key}.spacing": spacing for key, spacing in self.at_walls("spacing").items()}
+        places = enumerate(self.discretisation.refine)
+        return found | {f"discretisation.refine.{index}.spacing": place.spacing for index, place in places}
+
     @property
     def has_free_bodies(self) -> bool:
         """Whether there is a freely moving body."""

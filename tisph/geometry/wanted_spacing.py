@@ -18,6 +18,9 @@ from tisph.geometry.region import nearest_image
 GROWTH = 0.1
 """Usual growth of the spacing over the distance from a source: neighbours differ by a tenth."""
 
+PIECES = 1000
+"""Pieces of a wall along which the spacing is evaluated."""
+
 
 class Source(Protocol):
     """A place near which particles are closer to one another: ``spacing`` up to the distance ``within`` [length]."""
@@ -84,6 +87,16 @@ class WantedSpacing:
     def smallest(self) -> float:
         """Smallest spacing [length]."""
         return min([self.largest, *(source.spacing for source in self.sources)])
+
+    def along(self, body: Body) -> float:
+        """Return the largest spacing at t = 0 along those parts of the wall of a ``body`` that bend most."""
+        if not self.varies:
+            return self.largest
+        shape = body.shape
+        sharp = not 0.0 < shape.smallest_radius < np.inf
+        outline = body.boundary_points(min(shape.length / PIECES, np.inf if sharp else 0.5 * shape.smallest_radius))
+        bend = np.abs(outline.curvature)
+        return float(self.at(outline.point[bend >= 0.9 * bend.max()]).max())
 
     def at(self, places: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the spacings (n,) [length] at ``places`` (n, 2), in the frame of the scene, at ``time``."""

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from tisph import registry
+from tisph.scenes._spacing import with_sources
 
 if TYPE_CHECKING:
     from tisph.config.schema import Config
@@ -11,4 +12,4 @@ if TYPE_CHECKING:
 
 def of(config: "Config") -> "Scene":
     """Return the scene that ``config`` describes."""
-    return registry.load("scenes", config.scene).Scene.from_config(config)
+    return with_sources(registry.load("scenes", config.scene).Scene.from_config(config), config)

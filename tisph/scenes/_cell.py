@@ -37,6 +37,7 @@ from tisph.scenes._cell_flow import (
 )
 from tisph.scenes._initial import still_problem
 from tisph.scenes._scene import largest_speed
+from tisph.scenes._spacing import wanted_spacing
 from tisph.scenes._views import Profile, TimeSeries, velocity_profile
 from tisph.snapshot import Snapshot
 
@@ -74,10 +75,11 @@ def cell_problems(config: Config, bodies: Sequence[Body], walls: dict[str, Body]
     listed = isinstance(given, tuple)
     shapes = [(f"bodies.{index}", given[index] if listed else given, body) for index, body in enumerate(bodies)]
     shapes += [(key, config.walls.around, wall) for key, wall in walls.items() if wall.shape.area]
-    found = [*size_problems(shapes, config.spacing, config.across)]
+    wanted = wanted_spacing(config, {f"bodies.{index}": body for index, body in enumerate(bodies)} | walls)
+    found = [*size_problems(shapes, wanted, config.across)]
     known = not free and any(largest_speed(body) for body in bodies)  # motions that change the gaps
     times = np.linspace(0.0, config.time.end, MOMENTS).tolist() if known else (0.0,)
-    found += room_problems(bodies, walls, config.spacing, times)
+    found += room_problems(bodies, walls, wanted, times)
     yield from found if listed else dict.fromkeys(_in_common(problem, config) for problem in found)
 
 
@@ -92,7 +94,7 @@ def _in_common(problem: Problem, config: Config) -> Problem:
     _, number, name = key.split(".")
     if name != "centre":
         return f"bodies.{name}", text
-    close = config.bodies.least_gap < LEAST_GAP * config.spacing
+    close = config.bodies.least_gap < LEAST_GAP * (config.bodies.spacing or config.spacing)
     return "bodies.least_gap" if close else "bodies.motion", f"body {number} {text}"
 
 

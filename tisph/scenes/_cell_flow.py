@@ -75,6 +75,12 @@ TOGETHER = 1e-3
 """Fraction of the reference velocity below which bodies and fluid count as moving together."""
 
 
+def _at_free_bodies(config: Config) -> float:
+    """Return the largest particle spacing [length] at the free bodies of a ``config``."""
+    listed = config.bodies if isinstance(config.bodies, tuple) else (config.bodies,)
+    return max((body.spacing or config.spacing for body in listed if body.motion == "free"), default=config.spacing)
+
+
 def load_kinds(body: Body) -> tuple[str, ...]:
     """Return the ``LOADS`` that a body has: a straight wall, which is infinitely long, has no torque."""
     return LOADS if body.shape.area else LOADS[:2]
@@ -115,7 +121,7 @@ class CellFlow(BodyScene):
             periodic=config.periodic,
             acceleration=config.drive.acceleration,
             gravity=config.drive.gravity or (0.0, 0.0),
-            contact_distance=config.contact.distance if config.contact else CONTACT * config.spacing,
+            contact_distance=config.contact.distance if config.contact else CONTACT * _at_free_bodies(config),
             **others,
         )
 

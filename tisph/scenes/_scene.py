@@ -18,6 +18,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
+from tisph.geometry.wanted_spacing import NearBody
 from tisph.measures.flow import FlowInBox
 from tisph.scenes._views import COLOURS, ERRORS, ExtraSeries, MovieView, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Bodies, Snapshot
@@ -257,7 +258,12 @@ class BodyScene(Scene):
                 centre = tuple((found.centre[index] - snapshot.t * velocity).tolist())
                 angle = float(found.angle[index]) - snapshot.t * rotation
                 bodies[index] = replace(body, centre=centre, angle=angle, motion=motion, enters=-math.inf)
-        changed: Any = {"bodies": tuple(bodies)}
+        now = dict(zip(map(id, self.bodies), bodies, strict=True))
+        sources = [
+            replace(each, body=now.get(id(each.body), each.body)) if isinstance(each, NearBody) else each
+            for each in self.spacing_sources
+        ]
+        changed: Any = {"bodies": tuple(bodies), "spacing_sources": tuple(sources)}
         scene = replace(self, **changed)
         vars(scene)["region"] = self.region  # only its area is needed, which stays
         return scene

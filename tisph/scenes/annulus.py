@@ -21,6 +21,7 @@ from tisph.config.fields import Member
 from tisph.config.motion import (
     Amplitude,
     SlipLength,
+    Spacing,
     Times,
     Values,
     check_as_many,
@@ -119,6 +120,7 @@ class BetweenCylinders(BodyScene):
     slip_lengths: tuple[float, float] = (0.0, 0.0)
 
     periodic = (False, False)
+    names = ("inner", "outer")
     time_formula = "νt/H²"
 
     @classmethod
@@ -514,11 +516,12 @@ class Turning(WallKeys):
 
 
 class Cylinder(Turning):
-    """Angular velocity of a cylinder, and ``slip_length``: see ``config/motion.SlipLength``."""
+    """Angular velocity of a cylinder; ``slip_length`` and ``spacing``: see ``config/motion.py``."""
 
-    unset_keys = (*Turning.unset_keys, "slip_length")
+    unset_keys = (*Turning.unset_keys, "slip_length", "spacing")
 
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_friction(self) -> "Cylinder":

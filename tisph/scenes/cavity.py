@@ -17,7 +17,7 @@ from pydantic import model_validator
 
 from tisph.config import schema
 from tisph.config.base import Model, Positive, Problem, Signed, refuse
-from tisph.config.motion import SlipLength, frictionless_findings, slip_length_of
+from tisph.config.motion import SlipLength, Spacing, frictionless_findings, slip_length_of
 from tisph.config.schema import is_whole
 from tisph.exact.cavity import LID, CentreLine, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
@@ -74,6 +74,7 @@ class Cavity(BodyScene):
     slip_lengths: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
 
     periodic = (False, False)
+    names = ("bottom", "right", "lid", "left")
     flow_quantities = ("u_extreme", "v_min", "v_max", "kinetic_energy")
 
     @classmethod
@@ -327,14 +328,15 @@ class Geometry(Model):
 class Lid(Model):
     """Velocity along x of the lid y = height [length/time]: of the whole lid (sharp), or of its middle (regular).
 
-    ``slip_length``: see ``config/motion.SlipLength``.
+    ``slip_length`` and ``spacing``: see ``config/motion.py``.
     """
 
-    unset_keys = ("slip_length",)
+    unset_keys = ("slip_length", "spacing")
 
     velocity: Signed
     profile: Literal["sharp", "regular"] = "sharp"
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_friction(self) -> "Lid":
@@ -343,11 +345,12 @@ class Lid(Model):
 
 
 class Side(Model):
-    """A wall at rest; ``slip_length``: see ``config/motion.SlipLength``."""
+    """A wall at rest; ``slip_length`` and ``spacing``: see ``config/motion.py``."""
 
-    unset_keys = ("slip_length",)
+    unset_keys = ("slip_length", "spacing")
 
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
 
 class Walls(Model):

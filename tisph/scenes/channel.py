@@ -21,6 +21,7 @@ from tisph.config.fields import Bodies, Member, number_or
 from tisph.config.motion import (
     Amplitude,
     SlipLength,
+    Spacing,
     Times,
     Values,
     WallMotion,
@@ -72,7 +73,8 @@ class Wall(WallMotion):
     with corners rounded by arcs of ``corner_radius`` [length], or a ``smooth`` curve through them.
 
     The fluid at the wall is faster than the wall by ``slip_length`` [length] * shear stress / dynamic viscosity;
-    ``infinite``: no shear stress, as on a flat free surface or a plane of symmetry.
+    ``infinite``: no shear stress, as on a flat free surface or a plane of symmetry. ``spacing``: see
+    ``config/motion.Spacing``.
     """
 
     speed_key = "velocity"
@@ -85,6 +87,7 @@ class Wall(WallMotion):
         "times",
         "mass_per_area",
         "slip_length",
+        "spacing",
         *OUTLINE_KEYS,
     )
 
@@ -103,6 +106,7 @@ class Wall(WallMotion):
     corner_radius: Positive | None = None
     smooth: bool | None = None
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @property
     def shaped_by(self) -> str:
@@ -414,6 +418,7 @@ def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
     """Yield the errors of walls with outlines."""
     from tisph.bodies._clearance import size_problems
     from tisph.scenes._cell import walls_along
+    from tisph.scenes._spacing import wanted_spacing
 
     given = {side: wall for side in SIDES if (wall := getattr(config.walls, side)) and wall.outline}
     if not given:
@@ -421,7 +426,7 @@ def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
     if config.scheme.type == "wcsph":
         yield "scheme.type", "wcsph has no treatment of walls with outlines; take auto or implicit"
         return
-    (length, height), spacing = config.extent, config.spacing
+    length, height = config.extent
     low = config.geometry.inner_radius if config.axisymmetric else 0.0
     if getattr(config.initial, "state", "rest") == "developed":
         yield "initial.state", "must be rest where a wall has an outline: no developed flow is known there"
@@ -439,8 +444,9 @@ def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
             yield f"walls.{side}.outline", f"must be within the box: y from {low:g} to {low + height:g}"
     walls = walls_along(config)
     sized = [(f"walls.{side}", wall, walls[side]) for side, wall in given.items() if side in walls]
-    yield from size_problems(sized, spacing, config.across)
-    least = schema.LEAST_PARTICLES_ACROSS * spacing
+    wanted = wanted_spacing(config, {f"walls.{side}": wall for side, wall in walls.items()})
+    yield from size_problems(sized, wanted, config.across)
+    least = schema.LEAST_PARTICLES_ACROSS * max(map(wanted.along, walls.values()))
     points = {side: wall.boundary_points(wall.shape.length / PLACES).point for side, wall in walls.items()}
     other = [walls[one].nearest(points[two]).distance for one, two in (SIDES, SIDES[::-1])] if len(walls) > 1 else []
     narrowest = min(float(distance.min()) for distance in other or [points["top"][:, 1]])

@@ -20,6 +20,7 @@ from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
 from tisph.scenes import annulus
 from tisph.scenes._scene import Reference, bodies_in
+from tisph.scenes._spacing import with_sources
 from tisph.scenes._views import (
     Profile,
     TimeSeries,
@@ -74,10 +75,11 @@ class Config(annulus.Config):
             yield "initial.state", f"{text}: no other flow is known"
         elif self.initial.state != "rest" and (self.walls.inner.slip_length or self.walls.outer.slip_length):
             yield "initial.state", "must be rest where the fluid slips: no developed flow is known"
-        inner, outer = Scene.from_config(self).bodies
-        for problem in _clearance.size_problems([("", circle.Parameters, inner)], self.spacing, self.across):
+        flow = with_sources(Scene.from_config(self), self)
+        inner, outer = flow.bodies
+        for problem in _clearance.size_problems([("", circle.Parameters, inner)], flow.wanted_spacing, self.across):
             yield "geometry.inner_radius", problem[1]
-        for problem in _clearance.problems([inner], {"walls.outer": outer}, self.spacing):
+        for problem in _clearance.problems([inner], {"walls.outer": outer}, flow.wanted_spacing):
             yield "geometry.eccentricity", problem[1]
 
 

@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals, refuse
 from tisph.config.ends import Ends
-from tisph.config.motion import Amplitude, SlipLength, frictionless_findings, slip_length_of
+from tisph.config.motion import Amplitude, SlipLength, Spacing, frictionless_findings, slip_length_of
 from tisph.config.motion import WallMotion as Oscillation
 from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.start_up import CircularStartUp, PipeStartUp, slipping
@@ -49,14 +49,15 @@ class Geometry(Model):
 class Cylinder(Model):
     """Velocity along the axis [length/time] and angular velocity around it [1/time] of a wall, from t = 0 on.
 
-    ``slip_length``: see ``config/motion.SlipLength``.
+    ``slip_length`` and ``spacing``: see ``config/motion.py``.
     """
 
-    unset_keys = ("slip_length",)
+    unset_keys = ("slip_length", "spacing")
 
     velocity: Signed = 0.0
     angular_velocity: Signed = 0.0
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_friction(self) -> "Cylinder":

@@ -17,7 +17,7 @@ from pydantic import model_validator
 
 from tisph.bodies import _clearance, circle
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals
-from tisph.config.motion import SlipLength, slip_length_of
+from tisph.config.motion import SlipLength, Spacing, slip_length_of
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
@@ -27,6 +27,7 @@ from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._scene import Reference, bodies_in
+from tisph.scenes._spacing import with_sources
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.scenes.pipe import Cylinder
 from tisph.snapshot import Snapshot
@@ -62,10 +63,10 @@ class Sphere(Model):
 
     ``angular_velocity`` around the axis [1/time]. A free body has a ``density`` [mass/length^3], by default the density
     of the fluid, and an external ``force`` along the axis [mass length/time^2], such as its weight minus its buoyancy.
-    ``slip_length``: see ``config/motion.SlipLength``.
+    ``slip_length`` and ``spacing``: see ``config/motion.py``.
     """
 
-    unset_keys = ("velocity", *FREE_KEYS, "slip_length")
+    unset_keys = ("velocity", *FREE_KEYS, "slip_length", "spacing")
 
     velocity: Signed | None = None
     free: bool = False
@@ -73,6 +74,7 @@ class Sphere(Model):
     force: Signed | None = None
     angular_velocity: Signed = 0.0
     slip_length: SlipLength | None = None
+    spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_free(self) -> "Sphere":
@@ -144,10 +146,11 @@ class Config(_axisymmetric.Config):
         if not Scene.from_config(self).velocity_scale:
             remedy = "give a velocity or an angular_velocity, or let it be free under a force"
             yield from still_problem(self, "sphere", remedy)
-        body, tube = Scene.from_config(self).bodies
-        for problem in _clearance.size_problems([("", circle.Parameters, body)], self.spacing, self.across):
+        flow = with_sources(Scene.from_config(self), self)
+        body, tube = flow.bodies
+        for problem in _clearance.size_problems([("", circle.Parameters, body)], flow.wanted_spacing, self.across):
             yield "geometry.sphere_radius", problem[1]
-        for problem in _clearance.problems([body], {"walls.tube": tube}, self.spacing):
+        for problem in _clearance.problems([body], {"walls.tube": tube}, flow.wanted_spacing):
             yield "geometry.sphere_radius", problem[1]
 
 

@@ -65,11 +65,18 @@ def _member(config: Config) -> SchemeMember:
 def unsupported(config: Config, scheme: str) -> Iterator[Problem]:
     """Yield dotted key and text where ``scheme`` cannot serve the rheology of the config, or the motion of a wall."""
     walls = getattr(config, "walls", None)
-    slipping = next(slipping_walls(config), None)
+    slipping = next(iter(config.at_walls("slip_length")), None)
     if slipping and slipping.startswith("walls.") and getattr(config, "ends", None):
         yield f"{slipping}.slip_length", "must be left out with open ends: their profiles have no slip yet"
     if slipping and scheme != "implicit":
         yield "scheme.type", f"{scheme} has no wall with a slip_length ({slipping}); take implicit"
+    varied = next(iter(config.spacings), None)
+    if varied and config.parallel:
+        yield varied, "must be left out in parallel flow, whose scheme has one spacing: give more particles across"
+    elif varied and scheme != "implicit":
+        yield "scheme.type", f"{scheme} has one spacing everywhere ({varied}); take implicit"
+    if config.discretisation.growth is not None and not varied:
+        yield "discretisation.growth", "does nothing where no body, wall or refined place has a spacing: leave it out"
     kinds = ((STRESS_CONTROLLED, "stress-controlled wall"), (SCHEDULED, "wall with velocities at times"))
     for keys, kind in kinds:
         found = [side for side, key in keys if getattr(getattr(walls, side, None), key, None)]
@@ -86,16 +93,6 @@ def unsupported(config: Config, scheme: str) -> Iterator[Problem]:
     name = config.fluid.rheology.type
     if scheme == "wcsph" and name not in EXPLICIT_RHEOLOGIES:
         yield "scheme.type", f"wcsph has no {name} fluid; take implicit"
-
-
-def slipping_walls(config: Config) -> Iterator[str]:
-    """Yield the dotted key of each wall or body of a config along which the fluid slips."""
-    walls = getattr(config, "walls", None)
-    named = {f"walls.{name}": getattr(walls, name) for name in type(walls).model_fields} if walls else {}
-    bodies = getattr(config, "bodies", None)
-    named |= {f"bodies.{i}": body for i, body in enumerate(bodies)} if isinstance(bodies, tuple) else {}
-    named["sphere"] = getattr(config, "sphere", None)
-    yield from (key for key, wall in named.items() if getattr(wall, "slip_length", None))
 
 
 def unused(config: Config, chosen: str, reason: str = "") -> Iterator[Problem]:

@@ -26,8 +26,9 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from dataclasses import asdict, dataclass
+from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from pydantic import ValidationError
@@ -137,6 +138,10 @@ def _other(config: Config, factor: float) -> dict[str, Any]:
         changed = schemes.coarsen_steps(resolved, config.particles_across / across)
         data = changed.resolved()
         data["discretisation"] |= {"particles_across": across, "spacing": None}
+        for key in config.spacings:
+            *above, name = (int(part) if part.isdigit() else part for part in key.split("."))
+            section: Any = reduce(lambda each, part: each[part], above, cast(Any, data))
+            section[name] *= config.particles_across / across
         data["output"] = {"video": None}
         del data["name"]
         with suppress(ValidationError):

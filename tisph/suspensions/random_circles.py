@@ -67,7 +67,8 @@ class Parameters(Shared):
 
     def for_spacing(self, spacing: float) -> "Parameters":
         """Return the parameters with every default that depends on the particle spacing [length]."""
-        return self if self.least_gap is not None else self.model_copy(update={"least_gap": USUAL_GAP * spacing})
+        at_circles = self.spacing or spacing
+        return self if self.least_gap is not None else self.model_copy(update={"least_gap": USUAL_GAP * at_circles})
 
     def bodies(self, region: Region) -> tuple[circle.Parameters, ...]:
         """Return the circles in ``region``, in the order of the radii.

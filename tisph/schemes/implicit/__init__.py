@@ -19,6 +19,7 @@ from tisph.config.schema import Config
 from tisph.numerics import SKIN, SUPPORT
 from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
+from tisph.scenes._spacing import spacing_problems
 from tisph.schemes import unsupported, unused
 from tisph.schemes._protocol import Scheme, SchemeEstimates
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
@@ -118,6 +119,7 @@ def _problems_in_two_dimensions(config: Config) -> Iterator[Problem]:
     if min(config.columns, config.rows) < LEAST_COLUMNS:
         text = f"must be at least {LEAST_COLUMNS} along x and y"
         yield "discretisation.particles_across", f"{text}: the neighbour search of scheme implicit needs three cells"
+    yield from spacing_problems(config)
     if "walls" in config.members:
         text = f"implicit has no {config.walls.treatment.type} walls in two-dimensional flow"
         yield "walls.treatment.type", f"{text}, but closes its operators itself: leave treatment out, or take wcsph"

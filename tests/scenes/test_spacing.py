@@ -12,6 +12,7 @@ from tisph.config import load
 from tisph.config.sections import Refinement
 from tisph.errors import ConfigError
 from tisph.scenes._spacing import parts_of
+from tisph.schemes._forecast import described, forecast
 from tisph.studies.error_estimate import Coarser
 
 CONFIGS = Path(__file__).parents[2] / "configs"
@@ -100,3 +101,14 @@ def test_coarser_runs_have_the_same_ratios_of_spacings(tmp_path):
         ratio = 32 / coarser["discretisation"]["particles_across"]
         assert coarser["bodies"][0]["spacing"] == pytest.approx(0.02 * ratio)
         assert coarser["discretisation"]["refine"][0]["spacing"] == pytest.approx(0.03 * ratio)
+
+
+def test_check_states_spacings_and_the_particles_that_one_spacing_needs():
+    config = load(
+        CONFIGS / "cylinder_in_stream.yaml", ["discretisation.particles_across=41", "bodies.0.spacing=0.0025"]
+    )
+    numbers, _ = forecast(config)
+    assert numbers["particles_if_finest"] == round((2.2 * 0.41 - np.pi * 0.05**2) / 0.0025**2)
+    text = "\n".join(described(config, numbers, ()))
+    assert "0.0025 to 0.01 m (41 across where it is largest)" in text
+    assert f"{numbers['particles']}; {numbers['particles_if_finest']} with the smallest spacing everywhere" in text

@@ -14,7 +14,7 @@ from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.resolution import STEEPEST, resolution
 from tisph.scenes._channel import Channel
-from tisph.scenes._scene import Scene
+from tisph.scenes._scene import BodyScene, Scene
 from tisph.schemes._estimate import (
     DISORDERED_CELL_RE_OF_ORDER_2,
     DISORDERED_SOLVENT_CELL_RE,
@@ -81,6 +81,8 @@ def estimates(config: Config) -> dict[str, Any]:
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
         "viscous_time": scene.viscous_time,
         "particles": scene.particles,
+        "smallest_spacing": scene.wanted_spacing.smallest,
+        "particles_if_finest": round(_area(scene) / scene.wanted_spacing.smallest**2),
         "memory": schema.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
@@ -90,6 +92,11 @@ def estimates(config: Config) -> dict[str, Any]:
         "resolved": [_resolved(scene, sample)[0] for sample in run["samples"]],
         **run,
     }
+
+
+def _area(scene: Scene) -> float:
+    """Return the area of the fluid [length^2]."""
+    return scene.region.area if isinstance(scene, BodyScene) else math.prod(scene.extent)
 
 
 def _warnings(config: Config, numbers: dict[str, Any]) -> Iterator[str]:
@@ -179,14 +186,18 @@ def _run_lines(config: Config, numbers: dict[str, Any]) -> list[tuple[str, str]]
     number = f"{config.particles_across} across"
     if any(config.periodic):
         number = f"{config.rows} across, {config.columns} along"
+    spacing, particles, finest = f"{config.spacing:.6g}", str(numbers["particles"]), numbers["smallest_spacing"]
+    if finest < config.spacing:
+        spacing, number = f"{finest:.6g} to {spacing}", f"{number} where it is largest"
+        particles += f"; {numbers['particles_if_finest']} with the smallest spacing everywhere"
     lines = [("scheme", numbers["scheme"])]
     if explicit:
         lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))
         lines.append(("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"))
     return [
         *lines,
-        ("particle spacing", f"{config.spacing:.6g} {length} ({number})"),
-        ("fluid particles", str(numbers["particles"])),
+        ("particle spacing", f"{spacing} {length} ({number})"),
+        ("fluid particles", particles),
         ("time step", step),
         ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
         (

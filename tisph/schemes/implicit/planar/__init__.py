@@ -78,7 +78,7 @@ def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
     slow = is_slow(scene, courant)
-    limits = {"cfl": courant * scene.spacing / courant_speed(0.0, scene)}
+    limits = {"cfl": courant * scene.wanted_spacing.smallest / courant_speed(0.0, scene)}
     if not slow:
         limits["viscous"] = viscous_step(scene)
     binding = min(limits, key=lambda name: limits[name])
@@ -115,7 +115,9 @@ def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None,
     vortices = not scene.bodies or (not filled and (turns or not any(scene.periodic)))
     speed = courant_speed(0.0 if turns else scene.reference_velocity, scene)
     peak = IN_PIPES if open_ended and scene.axisymmetric else IN_PASSAGES
-    allowed = courant * scene.spacing / (speed * (peak if scene.kept_mean_velocity or open_ended else 1.0))
+    allowed = (
+        courant * scene.wanted_spacing.smallest / (speed * (peak if scene.kept_mean_velocity or open_ended else 1.0))
+    )
     if not is_slow(scene, courant):
         allowed = min(allowed, viscous_step(scene))
     first, growth = first_step(allowed, scene), LARGEST_MULTISTEP_FACTOR
@@ -130,7 +132,7 @@ def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None,
         growth = min(growth, 1.0 + accurate * STARTING) if starts else growth
     grown = allowed / (growth - 1.0)  # time at which steps that are a part of it are as long as allowed
     decay = 0.0 if scene.bodies else 2.0 * scene.kinematic_viscosity * (2.0 * np.pi / scene.reference_length) ** 2
-    longest = courant * scene.spacing / courant_speed(0.0, scene)
+    longest = courant * scene.wanted_spacing.smallest / courant_speed(0.0, scene)
     fading = np.log(longest / allowed) / decay if decay else np.inf  # time in which the steps of slower vortices grow
     decayed = -np.log(SMALLEST_SCALE)  # decay x time from which on errors refer to a constant velocity
 

@@ -12,10 +12,11 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
 from tisph.geometry.outline import Outline
-from tisph.geometry.packing import pack, random_centres
+from tisph.geometry.packing import number_of_particles, pack, random_centres, relaxed
 from tisph.geometry.polygon import Polygon
 from tisph.geometry.region import Region
 from tisph.geometry.spline import Spline
+from tisph.geometry.wanted_spacing import InBox, NearBody, WantedSpacing
 
 SQUARE = ((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2))
 STRIP, CELL = (2.0, math.inf), (1.0, 1.0)
@@ -77,7 +78,7 @@ def nearest_two(region, points):
 def largest_hole(region, points, spacing):
     """Largest distance of a place in the region from its nearest particle."""
     places = with_copies(region, points)
-    corners = Voronoi(np.concatenate([places, region.images(points, 3 * spacing)])).vertices
+    corners = Voronoi(np.concatenate([places, region.images(points, 3 * spacing)[0]])).vertices
     corners = corners[((corners > region.low) & (corners < region.high)).all(axis=1)]
     return cKDTree(places).query(corners[region.distance(corners) > 0])[0].max()
 
@@ -120,6 +121,65 @@ def test_a_region_that_a_lattice_fills_keeps_it():
     assert (periodic.area, len(pack(periodic, 0.1))) == (2.0, 200)
 
 
+FINE, COARSE, GROWTH = 1 / 96, 1 / 24, 0.1
+PERIODIC = Region((), (0.0, 0.0), (1.0, 1.0), (True, True))
+ANNULUS = REGIONS["annulus"][0]
+DISC = WantedSpacing(COARSE, [InBox((0.1, 0.55), (0.1, 0.55), FINE, 0.05, (1.0, 1.0))], GROWTH)
+RING = WantedSpacing(0.1, [NearBody(ANNULUS.bodies[0], 0.03)], GROWTH)
+
+
+def squares(fine, growth, low, high, inner):
+    """Integral of 1/h^2 over a ring from ``low`` to ``high``: h is ``fine`` at the radius ``inner``, then grows."""
+    at = fine + growth * (np.array([low, high]) - inner)  # r dr / h^2, r = inner + (h - fine) / growth
+    terms = np.log(at) / growth**2 - (inner - fine / growth) / growth / at
+    return 2 * np.pi * (terms[1] - terms[0])
+
+
+CORE = np.pi * (0.05 / FINE) ** 2
+EDGE = 0.05 + (COARSE - FINE) / GROWTH
+GRADED = {
+    "disc": (PERIODIC, DISC, CORE + squares(FINE, GROWTH, 0.05, EDGE, 0.05) + (1 - np.pi * EDGE**2) / COARSE**2),
+    "ring": (
+        ANNULUS,
+        RING,
+        squares(0.03, GROWTH, 1.0, 1.7, 1.0) + np.pi * (2.0**2 - 1.7**2) / 0.1**2,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GRADED)
+def test_graded_particles_are_as_many_and_as_far_apart_as_wanted(name):
+    """Bounds as for one spacing: measured without and with jitter nearest two .75 and .67, holes .93 and .96."""
+    region, wanted, expected = GRADED[name]
+    assert abs(number_of_particles(region, wanted) - expected) < 1.0  # half a particle, and as much by rounding
+    for jitter, nearest, largest in ((0.0, 0.7, 1.0), (0.2, 0.6, 1.05)):
+        points = pack(region, wanted, jitter, seed=2)
+        sizes, places = wanted.at(points), with_copies(region, points)
+        assert len(points) == number_of_particles(region, wanted)
+        assert (region.distance(points) >= 0.25 * sizes * (1 - 1e-9)).all()
+        away, which = cKDTree(places).query(points, k=2)
+        assert (away[:, 1] / (0.5 * (sizes + np.tile(sizes, len(places) // len(points))[which[:, 1]]))).min() > nearest
+        corners = Voronoi(np.concatenate([places, region.images(points, 0.3)[0]])).vertices
+        corners = corners[((corners > region.low) & (corners < region.high)).all(axis=1)]
+        corners = corners[region.distance(corners) > 0]
+        assert (cKDTree(places).query(corners)[0] / wanted.at(corners)).max() < largest
+        assert np.array_equal(points, pack(region, wanted, jitter, seed=2))
+
+
+def test_pairs_of_different_spacing_move_apart_by_the_same_length():
+    """Their displacements add up to 0, but for rounding, without walls."""
+    points = pack(PERIODIC, DISC, 0.3)
+    moves = relaxed(PERIODIC, points, DISC, 1) - points
+    assert np.abs(moves).max() > 0.05 * FINE
+    assert np.abs(moves.sum(axis=0)).max() < 1e-12
+
+
+def test_a_source_as_coarse_as_the_rest_changes_no_bit():
+    region, _, spacing = REGIONS["cell"]
+    wanted = WantedSpacing(spacing, [NearBody(region.bodies[0], spacing)])
+    assert pack(region, wanted, 0.2, 3).tobytes() == pack(region, spacing, 0.2, 3).tobytes()
+
+
 def test_bodies_must_share_the_periods_of_their_cell():
     region, _, _ = REGIONS["cell"]
     with pytest.raises(ValueError, match="needs the same ones"):
@@ -130,6 +190,8 @@ def test_a_region_without_room_is_refused():
     closed = Region((Body(Circle(0.3, "inside")),), (-0.3, -0.3), (0.3, 0.3))
     with pytest.raises(ValueError, match="has no room"):
         pack(closed, 1.0)
+    with pytest.raises(ValueError, match="has no room"):
+        pack(closed, WantedSpacing(2.0, [InBox((0.0, 0.0), (0.0, 0.0), 1.0)]))
 
 
 ROOMY = {

@@ -5,8 +5,10 @@ import pytest
 
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
+from tisph.geometry.ellipse import Ellipse
+from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.wanted_spacing import InBox, NearBody, WantedSpacing
+from tisph.geometry.wanted_spacing import InBox, NearBody, WantedSpacing, graded_boundary
 
 
 def test_spacing_grows_with_the_distance_from_a_circle():
@@ -43,3 +45,46 @@ def test_without_sources_there_is_one_spacing():
     wanted = WantedSpacing(0.1)
     assert not wanted.varies
     assert (wanted.at(np.zeros((3, 2))) == 0.1).all()
+
+
+WALLS = {
+    "circle": Body(Circle(1.0), (0.3, 0.1)),
+    "ellipse": Body(Ellipse((1.0, 0.5)), (0.3, 0.1), 0.2),
+    "wall": Body(Line((0.0, 0.0), (1.0, 0.0), 4.0)),
+}
+
+
+def beside(size):
+    """A spacing that is a quarter of ``size`` at a place, and grows to it over a distance of 0.75."""
+    return WantedSpacing(size, [InBox((1.3, 0.1), (1.3, 0.1), size / 4, 0.3)], growth=size)
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_points_on_walls_have_the_wanted_distances_and_sums_of_fourth_order(name):
+    """Distances to 3 %, as their number is whole; integrals against 200 000 points: 3.9 to 4.1 was measured."""
+    body = WALLS[name]
+
+    def integral(wall):
+        return np.sum(wall.length * (np.exp(wall.point[:, 0]) + np.cos(2 * wall.point[:, 1]) * wall.normal[:, 0]))
+
+    exact, errors = integral(body.boundary_points(body.shape.length / 200_000)), []
+    for size in (0.1, 0.05):
+        wanted = beside(size)
+        wall = body.placed(graded_boundary(body, wanted))
+        sizes, apart = wanted.at(wall.point), np.linalg.norm(np.diff(wall.point, axis=0), axis=1)
+        np.testing.assert_allclose(apart, 0.5 * (sizes[1:] + sizes[:-1]), rtol=0.03)
+        assert sizes.min() == size / 4
+        assert np.abs(body.nearest(wall.point).distance).max() < 1e-15
+        assert wall.length.sum() == pytest.approx(body.shape.length, rel=1e-13)
+        errors.append(abs(integral(wall) - exact))
+    assert np.log2(errors[0] / errors[1]) > 3.7
+
+
+def test_points_above_an_axis_begin_and_end_half_a_spacing_from_it():
+    """The first and last point of a half circle; the sum of their lengths is half the circumference."""
+    body = Body(Circle(1.0), (0.3, 0.0))
+    wanted = WantedSpacing(0.1, [InBox((1.3, 0.0), (1.3, 0.0), 0.025)])
+    wall = body.placed(graded_boundary(body, wanted, above_axis=True))
+    assert wall.length.sum() == pytest.approx(np.pi, rel=1e-13)
+    heights = wall.point[[0, -1], 1]
+    np.testing.assert_allclose(heights, 0.5 * wanted.at(wall.point[[0, -1]]), rtol=0.05)

@@ -13,6 +13,7 @@ from tisph.errors import ConfigError
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.outline import Outline
+from tisph.geometry.wanted_spacing import InBox
 from tisph.observers.samples import Description
 from tisph.observers.vtk import POLY_LINE, append_bodies, has_outlines
 from tisph.schemes.implicit.planar.wall_points import WallPoints
@@ -42,6 +43,24 @@ def test_particles_fill_the_region_behind_a_step(load_flow):
     assert scene.distance(places, 0.0).min() > 0.2 * scene.spacing
     gap = dict(scene.parameters())["narrowest gap"]
     assert gap.startswith("0.5 m, 6 spacings")  # the ends are no walls
+
+
+def test_a_finer_corner_has_finer_particles_and_wall_points(load_flow):
+    """Near the corner and at the ends particles keep local distances; points of the walls are as far apart."""
+    scene = replace(scenes.of(load_flow("step")), spacing_sources=(InBox((1.0, 0.5), (1.0, 0.5), 0.02, 0.05),))
+    wanted = scene.wanted_spacing
+    places = np.stack(scene.jittered(1, 0.1), axis=1)
+    assert len(places) == scene.particles
+    assert (scene.distance(places, 0.0) > 0.2 * wanted.at(places)).all()
+    for end in scene.bodies[-2:]:
+        assert end.nearest(places).distance.min() > 0.3 * wanted.at(end.shape.extent).min()
+    walls = WallPoints(scene.bodies, scene.spacing, (0.0, 0.0), wanted=wanted)
+    points = walls.at(0.0)[0][walls.parts[0]]
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    np.testing.assert_allclose(apart, walls.spacings[walls.parts[0]][1:], rtol=0.1)  # the growth of the spacing
+    assert walls.length[walls.parts[0]].sum() == pytest.approx(scene.bodies[0].shape.length, rel=1e-12)
+    one = WallPoints(scene.bodies, scene.spacing, (0.0, 0.0))
+    assert (one.spacings == scene.spacing).all()
 
 
 WAVE = "walls.top={outline: [[0.0, 1.0], [0.5, 0.8], [1.0, 0.6], [1.5, 0.8], [2.0, 1.0]], smooth: true}"

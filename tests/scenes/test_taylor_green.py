@@ -10,6 +10,7 @@ from PIL import Image
 from report_scene import Drawn, make_video
 from vortices import crowded, make_scene, make_snapshot, scaled
 
+from tisph.geometry.wanted_spacing import InBox
 from tisph.measures.metrics import sample_metrics
 from tisph.observers.history import History, read_history
 from tisph.observers.samples import Frames, Samples, read_frames
@@ -35,6 +36,19 @@ def test_particles_start_in_the_box_with_the_exact_flow(cells):
     assert 0 <= snapshot.y.min() < snapshot.y.max() < cells[1]
     found = measure(scene, snapshot)
     assert (found["t"], found["l2"], found["l2_pressure"]) == (0.0, 0.0, 0.0)
+
+
+def test_particles_near_a_finer_disc_fill_the_periodic_box():
+    """As many as the scene says, with the exact flow, nearest to one another in the disc."""
+    disc = InBox((0.9, 0.5), (0.9, 0.5), 0.0125, 0.1, (1.0, 1.0))
+    scene = replace(make_scene(), spacing_sources=(disc,))
+    position, velocity, _ = start_values(scene, SimpleNamespace(seed=3, jitter=0.1))
+    assert 400 < scene.particles == len(position) < 6400
+    assert np.array_equal(velocity[:, 0], scene.exact("u", *position.T, 0.0))
+    assert ((position >= 0.0) & (position < 1.0)).all()
+    in_disc = np.count_nonzero(disc.distance(position, 0.0) < 0.1)
+    # a hundred particles around the disc may each be on either side
+    assert in_disc == pytest.approx(np.pi * (0.1 / 0.0125) ** 2, abs=10)
 
 
 def test_the_exact_flow_has_no_error():

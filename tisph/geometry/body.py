@@ -174,7 +174,9 @@ class Body:
         """Return the closest points of the wall to ``points``, on the nearest copy of the body."""
         return self.at(time).nearest(points)
 
-    def images(self, points: np.ndarray, cutoff: float, time: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    def images(
+        self, points: np.ndarray, cutoff: float | np.ndarray, time: float = 0.0
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return mirror images (k, 2) of ``points`` within ``cutoff`` of the wall, and indices (k,) of the points."""
         points, place = np.asarray(points, dtype=float), self.at(time)
         copy = self.nearest_copy(points - place.centre)

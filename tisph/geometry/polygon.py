@@ -167,35 +167,37 @@ class Polygon(ClosedCurve):
         cut = self.corner_radius**2 * (np.tan(0.5 * turn) - 0.5 * turn)
         return float(_enclosed(self._wall.corner) - np.sum(self._wall.bend * cut))
 
-    def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+    def images(self, points: np.ndarray, cutoff: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points.
 
         A point has an image across each side, and each arc, that it is beside. Where the fluid fills a sharp corner, a
         point beside both sides has an image across the corner, too. The body's own corners fill with images of the
         sides.
         """
-        wall, side = self._wall, self._side
+        wall, side, cutoff = self._wall, self._side, np.broadcast_to(cutoff, len(points))
         away = points[:, None] - wall.start
         along = np.einsum("nkc,kc->nk", away, wall.tangent)
         height = side * np.einsum("nkc,kc->nk", away, wall.normal)
-        beside = (along >= 0) & (along <= wall.lengths[1::2]) & (height < cutoff)
-        beside &= height > -0.25 * cutoff  # behind a wall there may be another one
+        beside = (along >= 0) & (along <= wall.lengths[1::2]) & (height < cutoff[:, None])
+        beside &= height > -0.25 * cutoff[:, None]  # behind a wall there may be another one
         of, sides = np.nonzero(beside)
         across = points[of] - 2 * side * height[of, sides, None] * wall.normal[sides]
         source, foot = self._at_corners(points, beside, cutoff)
         return np.concatenate([across, 2 * foot - points[source]]), np.concatenate([of, source])
 
-    def _at_corners(self, points: np.ndarray, beside: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+    def _at_corners(self, points: np.ndarray, beside: np.ndarray, cutoff: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the indices (k,) of ``points`` with an image across a corner, and the places (k, 2) halfway to it."""
         wall = self._wall
-        near = np.linalg.norm(points[:, None] - wall.corner, axis=2) < 1.5 * cutoff + wall.trim
+        near = np.linalg.norm(points[:, None] - wall.corner, axis=2) < 1.5 * cutoff[:, None] + wall.trim
         if not self.corner_radius:
             filled = wall.bend < 0 if self.fluid_side == "outside" else wall.bend > 0
             of, corner = np.nonzero(near & filled & beside & np.roll(beside, 1, axis=1))
             return of, wall.corner[corner]
         of, corner = np.nonzero(near & (wall.bend != 0))
         outward, within, distance = wall.on_arcs(points[of], corner)
-        within &= (distance if self.fluid_side == "outside" else -distance) < cutoff  # others have images in the fluid
+        within &= (distance if self.fluid_side == "outside" else -distance) < cutoff[
+            of
+        ]  # others have images in the fluid
         foot = wall.centre[corner] + (wall.bend[corner] * self.corner_radius)[:, None] * outward
         return of[within], foot[within]
 

@@ -138,9 +138,14 @@ class Region:
         none = np.full(len(points), math.inf)
         return np.min([none, *(body.nearest(points).distance for body in self.bodies)], axis=0)
 
-    def images(self, points: np.ndarray, cutoff: float) -> np.ndarray:
-        """Return mirror images (k, 2), behind the walls, of the ``points`` (n, 2) within ``cutoff`` of a wall."""
-        return np.concatenate([np.empty((0, 2)), *(body.images(points, cutoff)[0] for body in self.bodies)])
+    def images(self, points: np.ndarray, cutoff: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return mirror images (k, 2) behind the walls of ``points`` (n, 2) near them, and indices (k,) of the points.
+
+        Points within ``cutoff`` of a wall have images.
+        """
+        found = [(np.empty((0, 2)), np.empty(0, dtype=int)), *(body.images(points, cutoff) for body in self.bodies)]
+        images, source = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return images, source
 
     def wrapped(self, points: np.ndarray) -> np.ndarray:
         """Return ``points`` (n, 2) moved by whole periods into the cell."""

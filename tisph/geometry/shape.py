@@ -79,7 +79,7 @@ class Shape(Protocol):
     def nearest(self, points: np.ndarray) -> ClosestPoint:
         """Return the closest points of the wall to ``points`` (n, 2)."""
 
-    def images(self, points: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+    def images(self, points: np.ndarray, cutoff: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return mirror images (k, 2) of ``points`` (n, 2) within ``cutoff``, and the indices (k,) of their points.
 
         The image of a point is its reflection across the closest point of the wall.

@@ -16,7 +16,7 @@ import numpy as np
 
 from tisph.geometry.body import Body
 from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
-from tisph.geometry.packing import pack
+from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
 from tisph.geometry.wanted_spacing import NearBody
 from tisph.measures.flow import FlowInBox
@@ -95,6 +95,18 @@ class Scene(FlowInBox):
         """What movies show as the drive of the flow: its name, kind of unit, and components along x and y."""
         return "drive", "acceleration", (self.acceleration, 0.0)
 
+    @cached_property
+    def region(self) -> Region:
+        """The fluid's region, a box without bodies."""
+        return Region((), self.origin, tuple(np.add(self.origin, self.extent)), self.periodic)
+
+    @cached_property
+    def particles(self) -> int:
+        """Number of fluid particles at the start."""
+        if self.wanted_spacing.varies:
+            return number_of_particles(self.region, self.wanted_spacing, self.start_time)
+        return self.rows * self.columns
+
     def lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the cell centres x, y (particles,), row by row from the bottom."""
         y, x = np.meshgrid(np.arange(self.rows) + 0.5, np.arange(self.columns) + 0.5, indexing="ij")
@@ -104,10 +116,13 @@ class Scene(FlowInBox):
         """Return cell centres x, y (particles,) displaced at random, uniformly within +- ``jitter`` * spacing.
 
         ``0 <= jitter < 0.5`` (else ValueError), so that each particle stays in its cell, and in the box. The same
-        ``seed`` gives the same positions.
+        ``seed`` gives the same positions. Where the spacing varies, particles fill the region (geometry/packing.py).
         """
         if not 0 <= jitter < 0.5:
             raise ValueError(f"jitter {jitter} is outside [0, 0.5)")
+        if self.wanted_spacing.varies:
+            x, y = pack(self.region, self.wanted_spacing, jitter, seed, self.particles, self.start_time).T
+            return x, y
         x, y = self.lattice()
         shift_x, shift_y = np.random.default_rng(seed).uniform(-1.0, 1.0, (2, x.size))
         return x + jitter * self.spacing * shift_x, y + jitter * self.spacing * shift_y
@@ -235,12 +250,13 @@ class BodyScene(Scene):
 
     @cached_property
     def particles(self) -> int:
-        """Number of fluid particles."""
-        return round(self.region.area / self.spacing**2)
+        """Number of fluid particles at the start."""
+        return number_of_particles(self.region, self.wanted_spacing, self.start_time)
 
     def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
         """Return x, y (particles,) of particles that fill the region; see ``tisph/geometry/packing.py``."""
-        x, y = pack(self.region, self.spacing, max(jitter, LEAST_JITTER), seed).T
+        jitter = max(jitter, LEAST_JITTER)
+        x, y = pack(self.region, self.wanted_spacing, jitter, seed, self.particles, self.start_time).T
         return x, y
 
     def seen(self: Kind, snapshot: Snapshot) -> Kind:

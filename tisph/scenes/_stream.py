@@ -16,7 +16,7 @@ from tisph.config.schema import Config
 from tisph.geometry.body import Body
 from tisph.geometry.ends import LEAST_DISTANCE, Course, Inlet, OpenEnd
 from tisph.geometry.line import Line
-from tisph.geometry.packing import pack
+from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
 from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
@@ -35,23 +35,30 @@ class OpenEnded(BodyScene):
 
     @cached_property
     def _filled(self) -> Region:
-        """The part of the region in which there are particles: the ends are moved into it."""
-        clear = LEAST_DISTANCE * self.spacing
+        """The part of the region in which there are particles: the ends are moved into it, by their least spacing."""
         moved = [
-            replace(body, centre=tuple(clear * body.shape.normal)) if isinstance(body, OpenEnd) else body
+            replace(body, centre=tuple(self._clear(body) * body.shape.normal)) if isinstance(body, OpenEnd) else body
             for body in self.region.bodies
         ]
         return replace(self.region, bodies=tuple(moved))
 
+    def _clear(self, end: Body) -> float:
+        """Return the distance of the first particles from an open ``end`` at the start."""
+        points = end.boundary_points(self.wanted_spacing.smallest).point
+        return LEAST_DISTANCE * self.wanted_spacing.at(points, self.start_time).min()
+
     @cached_property
     def particles(self) -> int:
-        """Number of fluid particles."""
+        """Number of fluid particles at the start."""
+        if self.wanted_spacing.varies:
+            return number_of_particles(self._filled, self.wanted_spacing, self.start_time)
         clear = LEAST_DISTANCE * self.spacing * sum(end.shape.length for end in self.bodies[-2:])
         return round((self.region.area - clear) / self.spacing**2)
 
     def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
         """Return x, y (particles,) of particles that fill the region."""
-        x, y = pack(self._filled, self.spacing, max(jitter, JITTER), seed, self.particles).T
+        jitter = max(jitter, JITTER)
+        x, y = pack(self._filled, self.wanted_spacing, jitter, seed, self.particles, self.start_time).T
         return x, y
 
     @property

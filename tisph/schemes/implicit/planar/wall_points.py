@@ -19,6 +19,7 @@ from tisph.geometry.body import BodyState, SlidingWall
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
 from tisph.geometry.line import Line
 from tisph.geometry.shape import Boundary
+from tisph.geometry.wanted_spacing import WantedSpacing, graded_boundary
 
 WALL_DISTANCE = 2.9
 """Distance from a wall below which the support is wider, in particle spacings."""
@@ -61,7 +62,8 @@ class WallPoints:
     There are ``count``, each for a part of the wall of ``length`` (count,); ``parts`` are slices of them by body.
     ``solid`` (count,): whether a point is on a wall, and not on an open end. ``ends``: the open ends among
     the bodies. ``kinds``: the bodies but outlets, and the outlets. ``slip_length`` (count,): of the walls, 0 without.
-    ``periods`` (2,) of the box, huge where it is not periodic.
+    ``periods`` (2,) of the box, huge where it is not periodic. ``spacings`` (count,): distances along the wall between
+    the points, those ``wanted`` at the ``start``, or the ``spacing`` where it does not vary.
 
     Steady walls are placed once. ``unsteady``: numbers of the other bodies, ``free`` of those that the flow moves.
     ``planes``: normal and offset of each straight wall that moves along itself at most, by its number.
@@ -70,12 +72,21 @@ class WallPoints:
     across_axis = False
 
     def __init__(
-        self, bodies: Sequence[Any], spacing: float, origin: Any, periods: Sequence[float] = (np.inf, np.inf)
+        self,
+        bodies: Sequence[Any],
+        spacing: float,
+        origin: Any,
+        periods: Sequence[float] = (np.inf, np.inf),
+        wanted: WantedSpacing | None = None,
+        start: float = 0.0,
     ) -> None:
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
+        self.wanted, self.start = wanted or WantedSpacing(spacing), start
         self.periods = np.minimum(periods, 1e30)
         self.outlines = [self._outline(body) for body in bodies]
         self.length = np.concatenate([outline.length for outline in self.outlines])
+        started = [body.placed(outline, start).point for body, outline in zip(bodies, self.outlines, strict=True)]
+        self.spacings = self.wanted.at(np.concatenate(started), start)
         ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
         self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
         self.count = len(self.length)
@@ -111,10 +122,12 @@ class WallPoints:
 
     def of_bodies(self, bodies: Sequence[Any]) -> Any:
         """Return the points on the walls of other ``bodies`` in the same box."""
-        return type(self)(bodies, self.spacing, self.origin, self.periods.tolist())
+        return type(self)(bodies, self.spacing, self.origin, self.periods.tolist(), self.wanted, self.start)
 
     def _outline(self, body: Any) -> Boundary:
         """Return the points of a wall in the frame of its body, a ``Boundary``."""
+        if self.wanted.varies:
+            return graded_boundary(body, self.wanted, self.start)
         return body.shape.boundary_points(self.spacing)
 
     def at(self, time: float) -> tuple[np.ndarray, np.ndarray]:
@@ -175,8 +188,13 @@ class WallPoints:
         forwards = point[1] - point[0]
         order = slice(None) if x * forwards[1] - y * forwards[0] > 0.0 else slice(None, None, -1)
         place = np.cumsum(boundary.length[order])[order] - 0.5 * boundary.length
+        if self.wanted.varies:  # lengths are then weights of sums; these arcs have errors of fourth order
+            chord, bend = np.hypot(*np.diff(point[order], axis=0).T), boundary.curvature[order]
+            arc = chord + (0.5 * (bend[1:] + bend[:-1])) ** 2 * chord**3 / 24.0
+            place = np.append(0.0, np.cumsum(arc))[order]
         apart = point[0] - point[-1]
-        closed = np.hypot(*(apart - periods * np.round(apart / periods))) < 1.5 * self.spacing
+        spacings = self.spacings[self.parts[number]]
+        closed = np.hypot(*(apart - periods * np.round(apart / periods))) < 0.75 * (spacings[0] + spacings[-1])
         knots, values = place[order], values[:, order]
         if closed:
             knots = np.append(knots, knots[0] + boundary.length.sum())
@@ -368,9 +386,15 @@ class WallsOfRevolution(WallPoints):
     """
 
     def __init__(
-        self, bodies: Sequence[Any], spacing: float, origin: Any, periods: Sequence[float] = (np.inf, np.inf)
+        self,
+        bodies: Sequence[Any],
+        spacing: float,
+        origin: Any,
+        periods: Sequence[float] = (np.inf, np.inf),
+        wanted: WantedSpacing | None = None,
+        start: float = 0.0,
     ) -> None:
-        super().__init__(bodies, spacing, origin, periods)
+        super().__init__(bodies, spacing, origin, periods, wanted, start)
         self.near_axis = NEAR_AXIS * spacing
         steepest = [np.abs(outline.normal[:, 0]).max() for outline in self.outlines]
         walls = [not isinstance(body, OpenEnd) for body in bodies]
@@ -378,6 +402,8 @@ class WallsOfRevolution(WallPoints):
 
     def _outline(self, body: Any) -> Boundary:
         """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""
+        if self.wanted.varies:
+            return graded_boundary(body, self.wanted, self.start, above_axis=True)
         length = body.shape.length
         outline = body.shape.boundary_points(length / (2 * round(0.5 * length / self.spacing)))
         above = body.placed(outline).point[:, 1] > 0.0

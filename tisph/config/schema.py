@@ -444,9 +444,13 @@ def format_bytes(count: float) -> str:
 def _size(config: Config) -> Iterator[Problem]:
     rows = across(config)
     particles = rows * (rows * (config.area / config.across / config.across))
+    yield from too_many(config, particles, resolution_key(config))
+
+
+def too_many(config: Config, particles: float, key: str) -> Iterator[Problem]:
+    """Yield an error at ``key`` if a number of ``particles`` is too large for the program, or for this machine."""
     needed = estimated_bytes(particles, config, config.scheme.type != "wcsph")
     available = physical_bytes()
-    key = resolution_key(config)
     text = f"makes {particles:.3g} particles, which would need about {format_bytes(needed)} of memory"
     if particles > MOST_PARTICLES:
         yield key, f"{text}; at most {MOST_PARTICLES} particles are allowed"

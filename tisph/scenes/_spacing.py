@@ -13,6 +13,7 @@ import numpy as np
 from tisph import registry
 from tisph.config.base import Problem
 from tisph.config.fields import nearest
+from tisph.config.schema import too_many
 from tisph.config.sections import LARGEST_GROWTH
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -34,6 +35,9 @@ ROUNDING = 1e-9
 
 PIECES = 1000
 """Pieces of a wall at whose points spacings are compared."""
+
+LATTICE = (np.arange(128) + 0.5) / 128
+"""Places over the sides of the box from which the number of particles is estimated."""
 
 EVEN = 1e-3
 """Relative variation of an even spacing along a wall that rotates."""
@@ -110,6 +114,16 @@ def spacing_problems(config: "Config") -> Iterator[Problem]:
         if wrong := list(find(config, flow, parts, reach)):
             yield wrong[0]
             return
+    finest = min(config.spacings, key=lambda key: config.spacings[key])
+    yield from too_many(config, _about_particles(with_sources(flow, config)), finest)
+
+
+def _about_particles(flow: Any) -> float:
+    """Return the number of particles of a ``flow`` to some per cent, by the spacings at places of a lattice."""
+    x, y = np.meshgrid(*(low + size * LATTICE for low, size in zip(flow.origin, flow.extent, strict=True)))
+    places = np.stack([x.ravel(), y.ravel()], axis=1)
+    places = places[flow.region.distance(places) > 0.0]
+    return float(math.prod(flow.extent) / x.size * (flow.wanted_spacing.at(places) ** -2.0).sum())
 
 
 Reach = Sequence[tuple[str, Any, float]]

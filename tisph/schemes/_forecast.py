@@ -14,7 +14,7 @@ from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.resolution import STEEPEST, resolution
 from tisph.scenes._channel import Channel
-from tisph.scenes._scene import BodyScene, Scene
+from tisph.scenes._scene import Scene
 from tisph.schemes._estimate import (
     DISORDERED_CELL_RE_OF_ORDER_2,
     DISORDERED_SOLVENT_CELL_RE,
@@ -75,14 +75,15 @@ def estimates(config: Config) -> dict[str, Any]:
     resolved, reason = schemes.resolve(config)
     run = schemes.estimates(resolved, scene)
     frames = config.output.video.frames if config.output.video else 0
+    wanted = scene.wanted_spacing
     total_time = BESIDE_LOOP[scene.parallel] + run["run_time"] + frames * FRAME
     return {
         "reynolds": scene.reynolds,
         "cell_reynolds": scene.reference_velocity * scene.spacing / scene.solvent_viscosity,
         "viscous_time": scene.viscous_time,
         "particles": scene.particles,
-        "smallest_spacing": scene.wanted_spacing.smallest,
-        "particles_if_finest": round(_area(scene) / scene.wanted_spacing.smallest**2),
+        "smallest_spacing": wanted.smallest,
+        "particles_if_finest": round(scene.region.area / wanted.smallest**2) if wanted.varies else scene.particles,
         "memory": schema.estimated_bytes(scene.particles, config, resolved.scheme.type == "implicit"),
         "scheme": reason,
         "error": run["samples"][-1].l2,
@@ -92,11 +93,6 @@ def estimates(config: Config) -> dict[str, Any]:
         "resolved": [_resolved(scene, sample)[0] for sample in run["samples"]],
         **run,
     }
-
-
-def _area(scene: Scene) -> float:
-    """Return the area of the fluid [length^2]."""
-    return scene.region.area if isinstance(scene, BodyScene) else math.prod(scene.extent)
 
 
 def _warnings(config: Config, numbers: dict[str, Any]) -> Iterator[str]:

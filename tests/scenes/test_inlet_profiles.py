@@ -50,6 +50,19 @@ def test_infinite_numbers_behind_a_jump_at_a_wall_are_left_out(loaded, profile, 
         assert ("pressure_drop" in scene.flow_quantities) is not infinite
 
 
+def test_the_pressure_drop_has_its_mean_and_scatter_over_the_last_quarter(loaded):
+    """Noise of 0.01 on a drop that rises by 0.06 in 100 times, beside a start of another one; later times are none."""
+    scene = scenes.of(loaded(ENDS))
+    times, column = np.linspace(0.0, 4.8, 481), scene.time_series().columns.index("pressure_drop")
+    noise = np.random.default_rng(0).normal(scale=0.01, size=481)
+    values = np.zeros((481, column + 1))
+    values[:, column] = np.where(times < 3.0, 9.0, 2.0 + 0.06 * (times - 3.5)) + noise + (times > 4.0)
+    found = scene.drop_in_time(4.0, (None, None, (times, values)))
+    assert found["pressure_drop_mean"] == pytest.approx(2.0, abs=3e-3)  # 0.01/100^(1/2)
+    assert found["pressure_drop_scatter"] == pytest.approx(0.01, rel=0.2)
+    assert set(scene.drop_in_time(0.0, (None, None, (times, values))).values()) == {None}
+
+
 PULSE = "{type: inlet, velocity: 1.0, amplitude: 0.8, angular_frequency: 1.0, phase: sin}"
 PULSATING = f"ends={{left: {PULSE}, right: {{type: outlet}}}}"
 SLIT = (PULSATING, "fluid.kinematic_viscosity=0.04", "initial.state=developed")  # Womersley number 5 by half the gap

@@ -131,8 +131,8 @@ def test_flow_rates_of_sections_are_found_in_few_iterations(monkeypatch):
 def test_pressure_drop_of_a_constriction(reynolds, length, across, end, drop):
     """``python benchmarks/wavy_pipe.py`` prints the drops, equal at two resolutions to 1e-4; minutes at Re = 100.
 
-    At the outlet the flow is not developed: behind it the jet would win a tenth of the pressure drop back. Drops vary
-    by 0.3 % with the places of the particles, so the mean over the last quarter of the run is judged.
+    At the outlet the flow is not developed: behind it the jet would win a tenth of the pressure drop back. Drops
+    scatter by 0.1 to 0.9 % from step to step, so the mean over the last quarter of the run is judged.
     """
     config = {**constriction(length, 2.0 / reynolds), "discretisation": {"particles_across": across}}
     found = []

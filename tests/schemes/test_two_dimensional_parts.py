@@ -17,7 +17,7 @@ from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 from tisph.schemes.implicit.planar import BETWEEN_WALLS, COST, OVERHEAD, STARTING, _guessed_steps
 from tisph.schemes.implicit.planar.step_limits import FIRST
 from tisph.schemes.implicit.planar.time_levels import TimeWeights
-from tisph.schemes.implicit.planar.wall_boundary import scatter
+from tisph.schemes.implicit.planar.wall_boundary import LOAD_STEPS, WallLoads, scatter
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 STEPS = [0.3, 0.25, 0.2, 0.28]
@@ -134,6 +134,30 @@ def test_scatter_is_of_what_is_not_smooth_relative_to_force_or_torque():
     # few steps, or no force
     assert scatter(np.arange(4.0)[::-1], np.ones((4, 1, 2)), np.ones((4, 1))) is None
     assert scatter(np.arange(6.0)[::-1], np.zeros((6, 1, 2)), np.zeros((6, 1))) is None
+
+
+def loads_of(forces):
+    """Loads on a body with these ``forces`` (steps,) in steps of length 1, the last one newest."""
+    loads = object.__new__(WallLoads)
+    loads.walls = SimpleNamespace(bodies=[Body(Circle(1.0))])
+    loads.loads = [np.array([[[force, 0.0, 0.0, 0.0]]]) for force in forces[: -LOAD_STEPS - 1 : -1]]
+    loads.times = [np.array(float(time)) for time in range(len(forces), 0, -1)][: 2 * LOAD_STEPS]
+    return loads
+
+
+def test_a_force_that_jumps_in_every_tenth_step_scatters_at_all_times():
+    """By jumps of 0.08 in a tenth of the steps: 0.025, a little less beside cubics through other jumps."""
+    random = np.random.default_rng(0)
+    forces = 1.0 + 0.08 * (random.uniform(size=400) < 0.1) * random.choice([-1.0, 1.0], 400)
+    found = [loads_of(forces[:steps]).scatter([0])[0] for steps in range(2 * LOAD_STEPS, 400)]
+    assert min(found) > 0.01
+    assert np.median(found) == pytest.approx(forces.std(), rel=0.2)
+
+
+def test_a_rough_start_is_forgotten_after_as_many_steps():
+    forces = np.concatenate([np.random.default_rng(0).normal(1.0, 0.1, 20), np.ones(30)])
+    assert loads_of(forces[:30]).scatter([0])[0] > 0.01
+    assert loads_of(forces[:42]).scatter([0])[0] < 1e-14
 
 
 def test_operators_use_polar_coordinates_near_curved_walls_only():

@@ -37,6 +37,27 @@ LEAST_TURNS = 8
 three to five times: its size is no scatter."""
 
 
+CUBIC_NEIGHBOURS = -2, -1, 1, 2
+"""Times, from one of them, through whose values a cubic goes."""
+
+
+def scatter_in_time(times: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return the scatter (...) of ``values`` (n, ...) that vary smoothly otherwise, at n >= 5 ``times`` (n,).
+
+    It is the root mean square of the differences of the values from the cubics through the two before and the two after
+    each, without the scatter of the values on the cubic.
+    """
+    middles = np.arange(2, len(times) - 2)
+    around = middles[:, None] + CUBIC_NEIGHBOURS
+    others = times[around] - times[middles, None]
+    apart = others[:, None] - others[:, :, None]
+    np.einsum("maa->ma", apart)[...] = others  # a factor b / (b - a) of 1 for b = a
+    weights = np.prod(others[:, None] / apart, axis=2)
+    beside = values[middles] - np.einsum("ms,ms...->m...", weights, values[around])
+    variance = 1.0 + np.square(weights).sum(axis=1)
+    return np.sqrt(np.tensordot(1.0 / variance, beside**2, 1) / len(middles))
+
+
 def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) -> float | None:
     """Return the first of ``times`` (n,) from which ``values`` (n, numbers) equal the last ones; None if it is late.
 

@@ -19,12 +19,16 @@ from tisph.geometry.line import Line
 from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
+from tisph.measures.resolution import CUBIC_NEIGHBOURS, scatter_in_time
 from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
 from tisph.scenes._cell_flow import LOADS, PLACES, VELOCITY
 from tisph.scenes._ends import JITTER, InletFlow, ends_of, unresolved
 from tisph.scenes._scene import BodyScene
 from tisph.scenes._views import Profile, TimeSeries, planar_diagnostics
 from tisph.snapshot import Snapshot
+
+LAST_QUARTER = 0.25
+"""Part of the time so far over which a mean is computed."""
 
 BEYOND = 4, 40
 """Degree and number of particles of fits that extrapolate a pressure to walls and ends."""
@@ -132,6 +136,20 @@ class OpenEnded(BodyScene):
         imbalance = (flows["inflow"] - flows["outflow"]) / (self.reference_velocity * self.inlet.area)
         return {"mass_imbalance": imbalance, "backflow": (snapshot.backflow or 0.0) / self.reference_velocity}
 
+    def drop_in_time(self, t: float, series: Sequence) -> dict[str, float | None]:
+        """Return mean and scatter of the pressure drop over the last quarter of the history up to ``t``, if known.
+
+        ``series``: see ``diagnostics``.
+        """
+        columns, found = self.time_series().columns, None
+        if len(series) > 2 and "pressure_drop" in columns:
+            times, values = series[2]
+            last = (times <= t) & (times > t - LAST_QUARTER * (t - self.start_time))
+            if np.count_nonzero(last) > len(CUBIC_NEIGHBOURS):
+                times, drops = times[last], values[last, columns.index("pressure_drop")]
+                found = float(drops.mean()), float(scatter_in_time(times, drops))
+        return dict(zip(("pressure_drop_mean", "pressure_drop_scatter"), found or (None, None), strict=True))
+
     def _pressures(self, snapshot: Snapshot, points: np.ndarray) -> np.ndarray:
         """Return the pressures (n,) at ``points`` (n, 2), by fits to the particles around them; NaN if not known."""
         if not len(snapshot.pressure):
@@ -192,7 +210,8 @@ class Stream(OpenEnded, Cell):
         ``drag_coefficient`` and ``lift_coefficient``: 2 F/(density U^2 d) with the reference velocity U and the
         height d of the body. ``pressure_difference``: at the first point of a body along x minus at the last.
         ``mass_imbalance``: inflow minus outflow over the flow rate of the reference velocity. ``backflow``: largest
-        velocity into the fluid at the outlet over the reference velocity. ``separation_bottom`` and
+        velocity into the fluid at the outlet over the reference velocity. ``pressure_drop_mean`` and
+        ``pressure_drop_scatter``: over the last quarter of the time so far. ``separation_bottom`` and
         ``reattachment_bottom``: the first and last place x, from the inlet on, where the flow along a stepped wall
         changes its direction from forwards to back, and from back to forwards.
         """
@@ -207,7 +226,7 @@ class Stream(OpenEnded, Cell):
             outline = body.boundary_points(0.1 * self.spacing, snapshot.t).point
             ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
             found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
-        found |= self.balance(snapshot, flows)
+        found |= {**self.balance(snapshot, flows), **self.drop_in_time(snapshot.t, series)}
         return {**found, **self._turns(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
     @property

@@ -1,5 +1,6 @@
 """Velocity gradients, stream function and spread of particles: exact on polynomials, and of the order they claim."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,13 +9,16 @@ import pytest
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.wanted_spacing import WantedSpacing
 from tisph.measures.fits import interpolated, max_void_radius, min_distance, stream_function, velocity_gradients
+from tisph.snapshot import Snapshot
 
 WAVE = 2 * np.pi
 
 
 def box(rows, periodic=(True, True)):
-    return SimpleNamespace(origin=(0.0, 0.0), bodies=(), extent=(1.0, 1.0), periodic=periodic, spacing=1.0 / rows)
+    flow = {"origin": (0.0, 0.0), "bodies": (), "extent": (1.0, 1.0), "periodic": periodic, "spacing": 1.0 / rows}
+    return SimpleNamespace(**flow, wanted_spacing=WantedSpacing(1.0 / rows))
 
 
 def scattered(rows, jitter=0.2, seed=0):
@@ -24,7 +28,7 @@ def scattered(rows, jitter=0.2, seed=0):
 
 
 def snapshot(x, y, u, v):
-    return SimpleNamespace(x=x, y=y, u=u, v=v)
+    return Snapshot(t=0.0, step=0, x=x, y=y, u=u, v=v, density=np.ones_like(x), pressure=0 * x)
 
 
 @pytest.mark.parametrize("degree", [2, 4])
@@ -89,6 +93,18 @@ def test_the_least_distance_is_found_across_an_edge():
     assert min_distance(box(12), snapshot(x, y, x, x)) == pytest.approx(0.02 * 12, rel=1e-12)  # as above
 
 
+def test_spread_is_in_widths_of_the_particles():
+    """Logarithmic rings: a square lattice under exp, so that the widths of particles are s r at the radius r."""
+    s = np.pi / 60
+    ring, turn = np.meshgrid(np.arange(-25, 10), np.arange(31))
+    x, y = (np.exp(s * ring) * each(s * turn) for each in (np.cos, np.sin))
+    rings = replace(snapshot(*(each.ravel() for each in (x, y, x, y))), area=(s * np.exp(s * ring.ravel())) ** 2)
+    scene = SimpleNamespace(**{**vars(box(12, (False, False))), "origin": (0.4, 0.4), "extent": (0.5, 0.5)})
+    assert min_distance(scene, rings) == pytest.approx((1 - np.exp(-s)) / s, rel=1e-12)  # from the ring within
+    centre = 0.5 * (1 + np.exp(s)) / np.cos(0.5 * s)  # of the circle through four particles, for the inner radius 1
+    assert max_void_radius(scene, rings) == pytest.approx(np.sqrt(centre**2 - np.exp(s)) / (s * np.exp(s)), rel=1e-9)
+
+
 def wave_error(rows):
     x, y = scattered(rows)
     points = np.random.default_rng(1).random((500, 2))
@@ -118,7 +134,7 @@ def stream_function_in_cylinder(rows, x, y, u, bodies=()):
     """psi in a cylinder of radius 1 around the axis, one period long."""
     scene = SimpleNamespace(
         origin=(0.0, 0.0), extent=(1.0, 1.0), periodic=(True, False), spacing=1 / rows, bodies=bodies,
-        seen=lambda snapshot: scene,
+        wanted_spacing=WantedSpacing(1 / rows), seen=lambda snapshot: scene,
     )  # fmt: skip
     return stream_function(scene, SimpleNamespace(t=0.0, x=x, y=y, u=u, v=0 * u))
 

@@ -190,52 +190,52 @@ def vorticity(scene: FlowInBox, snapshot: Snapshot, degree: int = 4) -> np.ndarr
 
 
 MARGIN = 4.0
-"""Spacings by which a periodic box is continued: wider than any void of a coherent fluid."""
+"""Largest spacings by which a periodic box is continued: wider than any void of a coherent fluid."""
 
 
 def min_distance(scene: FlowInBox, snapshot: Snapshot) -> float:
-    """Return the smallest distance of two particles over the spacing; 1 on a lattice."""
+    """Return the smallest distance of a particle from another over its width; 1 on a lattice."""
     tree, positions = periodic_tree(scene, _particles(snapshot)[0])
-    return tree.query(positions, 2)[0][:, 1].min() / scene.spacing
+    return (tree.query(positions, 2)[0][:, 1] / snapshot.widths(scene.spacing)).min()
 
 
 def max_void_radius(scene: FlowInBox, snapshot: Snapshot) -> float:
-    """Return the radius over the spacing of the largest circle without a particle; sqrt(1/2) on a lattice.
+    """Return the largest radius of a circle without a particle, over its spacing; sqrt(1/2) on a lattice.
 
-    It goes through the corners of a triangle of the Delaunay triangulation of the particles. Where the box is not
-    periodic, only centres between particles count. No particle is farther from a centre than the corners are, so that
-    the largest circles are searched first.
+    It goes through the corners of a triangle of the Delaunay triangulation of the particles; its spacing is the largest
+    of their widths. Where the box is not periodic, only centres between particles count. No particle is farther from a
+    centre than the corners are, so that the largest circles are searched first.
     """
     from scipy.spatial import Delaunay  # a fifth of a second to import, which only some runs need
 
     low, sizes = np.asarray(scene.origin), np.asarray(scene.extent)
     periods = np.where(scene.periodic, sizes, 1.0)
     particles = _particles(snapshot)[0]
-    positions = np.where(scene.periodic, particles % periods, particles)
+    positions, widths = np.where(scene.periodic, particles % periods, particles), snapshot.widths(scene.spacing)
     for axis in (0, 1):
         if scene.periodic[axis]:
             copies = [positions + shift * sizes[axis] * np.eye(2)[axis] for shift in (-1, 0, 1)]
             positions = np.concatenate(copies)
             near = np.abs(positions[:, axis] - 0.5 * sizes[axis]) <= 0.5 * sizes[axis] + MARGIN * scene.spacing
-            positions = positions[near]
-    corner, *others = positions[Delaunay(positions).simplices].transpose(1, 0, 2)
+            positions, widths = positions[near], np.tile(widths, 3)[near]
+    triangles = Delaunay(positions).simplices
+    (corner, *others), spacing = positions[triangles].transpose(1, 0, 2), widths[triangles].max(axis=1)
     (ax, ay), (bx, by) = ((other - corner).T for other in others)
     squares, doubled = (ax**2 + ay**2, bx**2 + by**2), 2.0 * (ax * by - ay * bx)
     with np.errstate(divide="ignore", invalid="ignore"):  # three particles in line at the edge
         away = np.stack([by * squares[0] - ay * squares[1], ax * squares[1] - bx * squares[0]], axis=1)
         away /= doubled[:, None]
-    vertices, radii = corner + away, np.hypot(*away.T)
+    vertices, radii = corner + away, np.hypot(*away.T) / spacing
     within = np.flatnonzero(((vertices >= low) & (vertices <= low + sizes)).all(axis=1))
     tree, _ = periodic_tree(scene, particles)
     seen, largest = scene.seen(snapshot) if scene.bodies else None, 0.0
     for part in parts(within[np.argsort(-radii[within])]):
         if radii[part[0]] * (1 + 1e-6) < largest:  # rounding errors of flat triangles
             break
-        centres = vertices[part]
-        centres = centres[seen.contains(centres, snapshot.t)] if seen else centres
-        distances = tree.query(np.where(scene.periodic, centres % periods, centres))[0]
-        largest = max(largest, distances.max(initial=0.0))
-    return largest / scene.spacing
+        part = part[seen.contains(vertices[part], snapshot.t)] if seen else part
+        distances = tree.query(np.where(scene.periodic, vertices[part] % periods, vertices[part]))[0]
+        largest = max(largest, (distances / spacing[part]).max(initial=0.0))
+    return largest
 
 
 MOST_NODES = 1600
@@ -248,8 +248,8 @@ NODES_ACROSS = 40
 def cell_mean(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return the mean (2,) of the velocity over the box of ``scene``, bodies included.
 
-    The integral has nodes at least a particle spacing apart: Gauss-Legendre nodes between walls, where the velocity has
-    a slope at the ends, else a lattice. NaN where any number of the snapshot is not finite.
+    The integral has nodes at least the smallest spacing apart: Gauss-Legendre nodes between walls, where the velocity
+    has a slope at the ends, else a lattice. NaN where any number of the snapshot is not finite.
     """
     scene = scene.seen(snapshot)
     positions, velocity = with_walls(scene, snapshot)
@@ -267,7 +267,7 @@ def cell_mean(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
 
 
 BAND = 8.0
-"""Spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
+"""Largest spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
 
 
 def section_mean(scene: FlowInBox, snapshot: Snapshot, place: float, degree: int = 4) -> float:
@@ -279,7 +279,7 @@ def section_mean(scene: FlowInBox, snapshot: Snapshot, place: float, degree: int
     if not np.isfinite(snapshot.x + snapshot.y + snapshot.u).all():
         return np.nan
     scene, t = scene.seen(snapshot), snapshot.t
-    nodes, weights = _section(scene, place)
+    nodes, weights = _section(scene, place, t)
 
     def near(x: np.ndarray) -> np.ndarray:
         return np.flatnonzero(np.abs(nearest_image(x - nodes[0, 0], scene.extent[0])) <= BAND * scene.spacing)
@@ -307,7 +307,7 @@ def section_weights(scene: FlowInBox, positions: np.ndarray, t: float) -> np.nda
     tree, _ = periodic_tree(scene, positions)
     place = scene.open_section(t)
     assert place is not None
-    nodes, weights = _section(scene, place)
+    nodes, weights = _section(scene, place, t)
     return sum_weights(tree, nodes, weights)
 
 
@@ -321,21 +321,31 @@ def sum_weights(tree: Any, nodes: np.ndarray, weights: np.ndarray) -> np.ndarray
     return np.bincount(nearest.ravel(), (weights[:, None] * at_nodes).ravel(), tree.n)
 
 
-def _section(scene: FlowInBox, place: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodes (n, 2) of a mean over the cross-section at ``place`` along x, and their weights (n,)."""
-    heights, weights = _rule(max(NODES_ACROSS, round(scene.extent[1] / scene.spacing)), periodic=False)
-    x = np.full_like(heights, place % scene.extent[0])
-    low, size = scene.section(x)
-    nodes = np.stack([x, low + size * heights], axis=1)
+def _section(scene: FlowInBox, place: float, t: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the nodes (n, 2) of a mean over the cross-section at ``place`` along x, and their weights (n,).
+
+    There are as many as particles across at the smallest spacing on it at time ``t``.
+    """
+    finest = scene.wanted_spacing.at(_across(scene, place, NODES_ACROSS)[0], t).min()
+    nodes, weights, size = _across(scene, place, max(NODES_ACROSS, round(scene.extent[1] / finest)))
     if scene.axisymmetric:
         return nodes, weights * nodes[:, 1] / (weights @ nodes[:, 1])
     return nodes, weights * (size / scene.extent[1])
 
 
+def _across(scene: FlowInBox, place: float, count: int) -> tuple[np.ndarray, np.ndarray, Any]:
+    """Return ``count`` nodes (count, 2) across the box at ``place``, weights of sum 1, and the height between walls."""
+    heights, weights = _rule(count, periodic=False)
+    x = np.full_like(heights, place % scene.extent[0])
+    low, size = scene.section(x)
+    return np.stack([x, low + size * heights], axis=1), weights, size
+
+
 def _nodes(scene: FlowInBox) -> tuple[np.ndarray, np.ndarray]:
     """Return the nodes (n, 2) of a mean over the cell and their weights (n,), which add up to 1."""
     size = np.asarray(scene.extent)
-    counts = np.maximum(1, np.floor(size / max(scene.spacing, np.sqrt(size.prod() / MOST_NODES)) + 1e-9)).astype(int)
+    pitch = max(scene.wanted_spacing.smallest, np.sqrt(size.prod() / MOST_NODES))
+    counts = np.maximum(1, np.floor(size / pitch + 1e-9)).astype(int)
     rows = [_rule(int(count), periodic) for count, periodic in zip(counts, scene.periodic, strict=True)]
     nodes = np.stack(np.meshgrid(*(positions for positions, _ in rows), indexing="ij"), axis=-1).reshape(-1, 2)
     x = scene.origin[0] + size[0] * nodes[:, 0]
@@ -353,6 +363,10 @@ def _rule(count: int, periodic: bool) -> tuple[np.ndarray, np.ndarray]:
     return 0.5 * (positions + 1.0), 0.5 * weights
 
 
+GRID_NODES = 10_000
+"""Nodes of the grid of the stream function up to which it is finer than the largest spacing: some 0.1 s a frame."""
+
+
 def stream_function(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     """Return psi at the particles, array (particles,) of length^3/time; NaN where any number is not finite."""
     from scipy.interpolate import CubicSpline, RectBivariateSpline  # some tenths of a second to import
@@ -360,8 +374,9 @@ def stream_function(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
     positions, velocity = with_walls(scene, snapshot)
     if not _finite(velocity, positions):
         return np.full(len(snapshot.x), np.nan)
+    pitch = max(scene.wanted_spacing.smallest, min(scene.spacing, np.sqrt(np.prod(scene.extent) / GRID_NODES)))
     x, r = (
-        np.linspace(low, low + size, 4 + int(size / scene.spacing))  # a cubic spline needs four
+        np.linspace(low, low + size, 4 + int(size / pitch))  # a cubic spline needs four
         for low, size in zip(scene.origin, scene.extent, strict=True)
     )
     u = _velocity(scene, snapshot, positions, velocity, np.stack(np.meshgrid(x, r, indexing="ij"), axis=2))

@@ -18,7 +18,7 @@ LEVEL = 0.5 / LEVELS  # of coverage, to the nearest
 
 def paint(place, value, radius, shape=SHAPE, *, periodic=(False, False)):
     """Coverage (0 to 1) and mean value in every pixel."""
-    total, full = Discs(radius, shape).sums(place, value, periodic=periodic)
+    total, full = Discs(radius, shape).sums(place, value, np.zeros(len(value), dtype=int), periodic=periodic)
     coverage, values = np.divmod(total, 1 << VALUE_BITS)
     return np.minimum(coverage / full, 1.0), values / (SHARES * np.maximum(coverage, 1))
 
@@ -50,6 +50,16 @@ def test_disc_across_the_periodic_edge_is_the_same_disc_rolled():
     edge, _ = disc([0.25, 3.0], [20.5, 12.0], periodic=(True, False))
     assert np.array_equal(edge, np.roll(middle, 30, axis=1))  # 30 columns are half the panel
     assert edge[20, -1] > 0.9
+
+
+def test_discs_of_several_sizes_are_those_of_one_size_each():
+    place, value, radii = points([20.3, 40.8], [20.6, 19.1]), np.array([0.2, 0.7]), np.array([8.0, 3.3])
+    both = Discs(radii, SHAPE).sums(place, value, np.arange(2), periodic=(False, False))[0]
+    each = [
+        Discs(radii[k], SHAPE).sums(points(place[0][k], place[1][k]), value[[k]], np.array([0]), periodic=(False,) * 2)
+        for k in range(2)
+    ]
+    assert np.array_equal(both, each[0][0] + each[1][0])
 
 
 def test_particles_at_nan_or_infinity_or_outside_leave_no_trace():

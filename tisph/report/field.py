@@ -8,11 +8,15 @@ are products of B-splines, cubic for the particles (the 4 x 4 nodes nearest to e
 the values are linear, so is the field, wherever the particles are and up to a wall; else its error falls with the
 square of the spacing. Nodes without particles have no part in it: walls and bodies need not be known.
 
+Where the spacing varies there are several grids, each with half the pitch of the one before. From grid to grid the
+field goes over where particles are as wide as between one and two pitches of the finer one.
+
 Source: P. Lancaster and K. Salkauskas, Math. Comput. 37 (1981) 141-158; blended as partition of unity, J. M. Melenk and
 I. Babuska, Comput. Methods Appl. Mech. Engrg. 139 (1996) 289-314.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -84,7 +88,7 @@ _EVEN = 5e-4  # added to the second moments, which are 1/3: a few particles on a
 
 
 class FieldGrid:
-    """The grid of one picture: ``fit`` takes values, then ``image`` has the field of the first, ``at`` of the last.
+    """A grid of one picture: ``fit`` takes values, then ``image`` has the field of the first, ``at`` of the last.
 
     ``low`` and ``high`` are corners of the shown part of the box, ``shape`` (rows, columns) its pixels, the first row
     at the top.
@@ -105,7 +109,7 @@ class FieldGrid:
         self._size = np.subtract(high, low)
         pitch = max(spacing, np.sqrt(np.prod(self._size) / _MOST))
         self._count = np.maximum(1, np.rint(self._size / pitch)).astype(int) + 1 + 2 * _MARGIN  # nodes along x and y
-        self._pitch = self._size / (self._count - 1 - 2 * _MARGIN)
+        self._pitch, self.pitch = self._size / (self._count - 1 - 2 * _MARGIN), pitch
         rows, columns = shape
         places = (np.arange(columns) + 0.5) / columns, 1.0 - (np.arange(rows) + 0.5) / rows
         self._spread = []
@@ -192,6 +196,43 @@ class FieldGrid:
         return fields
 
 
+class GradedGrid:
+    """The ``FieldGrid`` of a picture, and finer ones where the spacing varies from ``largest`` to ``smallest``."""
+
+    def __init__(self, scene: Scene, layout: Layout, periodic: tuple[bool, bool]):
+        wanted, area = scene.wanted_spacing, np.prod(np.subtract(layout.high, layout.low))
+        finest = min(wanted.largest, max(wanted.smallest, math.sqrt(area / _MOST)))
+        finer = math.ceil(math.log2(wanted.largest / finest))
+        box = layout.low, layout.high, layout.box.shape
+        self._largest, self._widths = wanted.largest, FieldGrid(*box, wanted.largest, periodic) if finer else None
+        self._grids = [FieldGrid(*box, wanted.largest / 2**k, periodic) for k in range(finer + 1)]
+
+    def fit(self, snapshot: Snapshot, *values: np.ndarray) -> None:
+        """Fit to each of ``values`` (particles,) of a snapshot, as ``FieldGrid.fit``."""
+        for grid in self._grids:
+            grid.fit(snapshot.x, snapshot.y, *values)
+        if self._widths:
+            self._widths.fit(snapshot.x, snapshot.y, snapshot.widths(self._largest))
+
+    def image(self) -> np.ndarray:
+        """See ``FieldGrid.image``."""
+        return self._blended(FieldGrid.image)
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """See ``FieldGrid.at``."""
+        return self._blended(lambda grid: grid.at(x, y))
+
+    def _blended(self, read: Callable[[FieldGrid], np.ndarray]) -> np.ndarray:
+        """Return the fields that ``read`` returns of each grid, each with its share by the width of the particles."""
+        found, *finer = map(read, self._grids)
+        if self._widths:
+            width = read(self._widths)
+            for grid, values in zip(self._grids[1:], finer, strict=True):
+                share = np.clip(2.0 - width / grid.pitch, 0.0, 1.0)
+                found = np.where((share > 0.0) & np.isfinite(values), found + share * (values - found), found)
+        return found
+
+
 def _splines(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the four nodes (n, 4) around each place that are on the grid, cubic weights, and how far they are away."""
     node = np.floor(place).astype(int)
@@ -210,6 +251,7 @@ def _blend(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 _SMALLEST_DIAMETER = 1.5  # pixels: below it discs would fade away
 _MOST_ROWS = 40  # of discs: of more, the gaps between them make a moire
+_SIZE_STEP = 1.2  # ratio of the radii of discs of two sizes
 _SHADES = 256
 _DOT, _DOT_COVER = 1.4, 0.55  # radius in a frame of 1280 x 640, and cover, of particles over a field
 
@@ -225,12 +267,15 @@ class FluidPainter:
         self._periodic = whole, scene.periodic[1]
         colours = style.colours(_SHADES, colour_map=quantity.colour_map)
         ground = style.rgb(layout.theme.background) / 255.0
-        self.disc_radius = max(_SMALLEST_DIAMETER, scene.spacing * layout.pixels_per_length) / 2.0
+        self.disc_radius = self._radius(scene.spacing)
+        ratio = self.disc_radius / self._radius(scene.wanted_spacing.smallest)
+        steps = math.ceil(math.log(ratio) / math.log(_SIZE_STEP))
+        self._spacing, self._radii = scene.spacing, self.disc_radius * _SIZE_STEP ** -np.arange(steps + 1.0)
         self.grid: Any = None
         if self.style == "particles":
-            self._discs, self._shades = Discs(self.disc_radius, shape), Shades(colours, ground)
+            self._discs, self._shades = Discs(self._radii, shape), Shades(colours, ground)
             return
-        self.grid = FieldGrid(layout.low, layout.high, shape, scene.spacing, self._periodic)
+        self.grid = GradedGrid(scene, layout, self._periodic)
         palette = np.full((_SHADES + 1, 4), 255, dtype=np.uint8)
         palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
         self._palette = palette.view(np.uint32).ravel()
@@ -246,9 +291,11 @@ class FluidPainter:
         if self.style == "particles":
             share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
             points = self._layout.pixel_positions(snapshot.x, snapshot.y)
-            self._shades.fill(panel, *self._discs.sums(points, share, periodic=self._periodic))
+            off = np.log(self._radius(snapshot.widths(self._spacing))[:, None] / self._radii)
+            size = np.abs(off).argmin(axis=1)
+            self._shades.fill(panel, *self._discs.sums(points, share, size, periodic=self._periodic))
             return
-        self.grid.fit(snapshot.x, snapshot.y, values, *([] if profile is values else [profile]))
+        self.grid.fit(snapshot, values, *([] if profile is values else [profile]))
         shade = self._share(self.grid.image()) * np.float32(_SHADES - 1) + np.float32(0.5)
         shade = np.clip(shade, 0.0, _SHADES - 1)
         shade[np.isnan(shade) | self._beyond] = _SHADES  # no particles, or beyond an open end: the ground
@@ -256,6 +303,10 @@ class FluidPainter:
         if self.style == "both":
             dots = self._dots.cover(self._layout.pixel_positions(snapshot.x, snapshot.y))
             blend(panel[:, :, :3], dots * np.float32(_DOT_COVER), style.rgb(style.TEXT))
+
+    def _radius(self, width: Any) -> Any:
+        """Return the radius of discs of particles of this ``width``, in pixels."""
+        return np.maximum(_SMALLEST_DIAMETER, width * self._layout.pixels_per_length) / 2.0
 
     def _share(self, values: np.ndarray) -> np.ndarray:
         lowest, highest = self._range

@@ -250,8 +250,8 @@ class _Stage:
 
 def _count(scene: Scene) -> str:
     """Return how many particles there are, in words."""
-    lattice = f"{scene.columns} {TIMES} {scene.rows}" if not scene.bodies else str(scene.particles)
-    return f"{lattice} particles"
+    lattice = not scene.bodies and not scene.wanted_spacing.varies
+    return f"{f'{scene.columns} {TIMES} {scene.rows}' if lattice else scene.particles} particles"
 
 
 _OVERLAYS = {"vectors": Vectors, "tracks": Tracks}
@@ -540,6 +540,6 @@ class _Ranges:
     def add(self, measured: Measured) -> None:
         """Take a frame."""
         self.count += 1
-        self.colours.add(measured.colours)
+        self.colours.add(measured.colours, measured.snapshot.weight)
         self.profile.add(measured.profile[self._line.near(measured.snapshot)])
         self.series.add(measured.series[:NUMBERS])

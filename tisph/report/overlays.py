@@ -270,7 +270,7 @@ _UNIT = 1.5  # pitches: length of an arrow of the reference velocity
 _LONGEST = 1.8  # pitches
 _SHORTEST = 0.25  # pitches: below it a head shows no direction
 _NEAR = 6  # particles whose velocities are averaged
-_BESIDE = 1.2  # spacings: where no particle is so near there is no fluid
+_BESIDE = 1.2  # widths of the nearest particle: where no particle is so near there is no fluid
 _SHAFT, _HEAD = 0.04, 0.14  # half widths of an arrow, in pitches
 _RIM = 1.4  # half width in a frame of 1280 x 640 of the light rim of an arrow: seen on any colour
 _TIP = 0.34  # pitches: length of the head of a long arrow
@@ -297,10 +297,10 @@ class Vectors:
         places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return  # a run that went wrong still gets its picture
-        mean, nearest = mean_velocity(self._scene, places, velocity, self._places)
+        mean, distance, nearest = mean_velocity(self._scene, places, velocity, self._places)
         arrows = _UNIT * mean / self._scene.reference_velocity * [1.0, -1.0]  # rows count downwards
         size = np.linalg.norm(arrows, axis=1)
-        shown = (nearest < _BESIDE * self._scene.spacing) & (size > _SHORTEST)
+        shown = (distance < _BESIDE * snapshot.widths(self._scene.spacing)[nearest]) & (size > _SHORTEST)
         arrows, size = arrows[shown], size[shown]
         arrows *= np.minimum(1.0, _LONGEST / size)[:, None]
         corners = self._feet[shown, None] + self._pitch * _outlines(arrows)
@@ -311,16 +311,16 @@ class Vectors:
 
 def mean_velocity(
     scene: Scene, places: np.ndarray, velocity: np.ndarray, points: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the mean of ``velocity`` (n, 2) at the nearest of ``places`` (n, 2) around ``points`` (m, 2).
 
-    And the distance (m,) of the very nearest. The nearer, the more one counts.
+    And the distance (m,) and the index (m,) of the very nearest. The nearer, the more one counts.
     """
     tree, _ = periodic_tree(scene, places)
     distance, nearest = tree.query(points, min(_NEAR, len(places)))
     weight = 1.0 / (distance + 1e-3 * scene.spacing) ** 2
     mean = np.einsum("ij,ijk->ik", weight, velocity[nearest]) / weight.sum(axis=1)[:, None]
-    return mean, distance[:, 0]
+    return mean, distance[:, 0], nearest[:, 0]
 
 
 def _outlines(arrows: np.ndarray) -> np.ndarray:
@@ -338,7 +338,7 @@ def _outlines(arrows: np.ndarray) -> np.ndarray:
 
 
 _LINES = 10  # between the least and the largest stream function
-_FINEST = 0.5  # spacings between nodes: pieces of lines that look smooth
+_FINEST = 0.5  # smallest spacings between nodes: pieces of lines that look smooth
 _MOST = 8000  # nodes: some 50 ms of factorising, once where bodies stand still
 _BEYOND = 1.5  # pitches of the grid: so far lines go on under the picture of a body
 _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that only errors make
@@ -368,7 +368,7 @@ class Streamlines:
         self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
         low[0], high[0] = np.clip([low[0], high[0]], *open_ends(scene))
-        pitch = max(_FINEST * scene.spacing, np.sqrt(np.prod(high - low) / _MOST))
+        pitch = max(_FINEST * scene.wanted_spacing.smallest, np.sqrt(np.prod(high - low) / _MOST))
         self._axes = [np.linspace(*ends, 2 + int(np.diff(ends)[0] / pitch)) for ends in zip(low, high, strict=True)]
         self._nodes = np.stack(np.meshgrid(*self._axes), axis=2)  # (rows, columns, 2)
         self._pitch = np.array([axis[1] - axis[0] for axis in self._axes])

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from tisph.report import style
-from tisph.report.field import FieldGrid
+from tisph.report.field import GradedGrid
 from tisph.report.labels import number
 from tisph.report.layout import Layout
 from tisph.report.overlays import Strokes
@@ -106,7 +106,7 @@ class ProfilePanel:
     The grid is fitted to the values of the profile (``report/field.py``).
     """
 
-    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, grid: FieldGrid | None):
+    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, grid: GradedGrid | None):
         self._scene, self._layout, self._quantity, self._grid = scene, layout, quantity, grid
         line, scale, inside = quantity.profile.line, layout.scale, layout.profile.inner.shape
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)

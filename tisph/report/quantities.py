@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Colormap
@@ -118,9 +119,11 @@ class Spread:
     def __init__(self) -> None:
         self._values: list[np.ndarray] = []
 
-    def add(self, values: np.ndarray) -> None:
-        """Take the ``values`` of one frame."""
-        self._values.append(values[style.evenly_chosen(len(values), _DRAWN)])
+    def add(self, values: np.ndarray, weight: Any = 1.0) -> None:
+        """Take the ``values`` of one frame, whose particles have areas of this ``weight`` (n,)."""
+        upper = np.cumsum(np.broadcast_to(weight, values.shape))
+        even = style.evenly_chosen(len(values), _DRAWN)
+        self._values.append(values[np.searchsorted(upper, even + 0.5)])
 
     @property
     def ends(self) -> Ends:

@@ -9,6 +9,7 @@ A disc is drawn at the nearest of 16 x 16 places in its pixel, and coverages are
 import math
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -28,9 +29,14 @@ _BAND = 32  # pixel rows at a time, likewise
 
 
 class Discs:
-    """Discs of one ``radius`` in a panel of ``shape``, with a margin all around for those that stick out."""
+    """Discs of one ``radius`` in a panel of ``shape``, with a margin all around for those that stick out.
 
-    def __init__(self, radius: float, shape: tuple[int, int]):
+    For discs of several sizes ``radius`` is an array (sizes,).
+    """
+
+    def __init__(self, radius: float | np.ndarray, shape: tuple[int, int]):
+        reach = np.reshape(radius, (-1, 1, 1)) + 0.5
+        radius = float(np.max(radius))
         self.panel, self._reach = shape, radius + 0.5
         self._side = math.ceil(2.0 * radius + 1.0) + 1  # pixels that a disc may touch along each direction
         self._margined = (shape[0] + 2 * self._side, shape[1] + 2 * self._side)
@@ -38,36 +44,40 @@ class Discs:
         places = (np.arange(PLACES) + 0.5) / PLACES + self._before
         distance = np.square(np.arange(self._side) + 0.5 - places[:, None])
         distance = np.sqrt(distance[:, None, :, None] + distance[None, :, None, :]).reshape(PLACES**2, -1)
-        coverage = np.rint(LEVELS * np.clip(self._reach - distance, 0.0, 1.0))
+        coverage = np.rint(LEVELS * np.clip(reach - distance, 0.0, 1.0)).reshape(-1, self._side**2)
         touched = coverage.any(axis=0)
         step = np.arange(self._side)
         self._offsets = (step[:, None] * self._margined[1] + step[None, :]).ravel()[touched]
         self._stamps = coverage[:, touched].astype(np.int64)
         self._count = max(1, _CHUNK // len(self._offsets))
 
-    def sums(self, points: Points, value: np.ndarray, *, periodic: tuple[bool, bool]) -> tuple[np.ndarray, int]:
+    def sums(
+        self, points: Points, value: np.ndarray, size: np.ndarray, *, periodic: tuple[bool, bool]
+    ) -> tuple[np.ndarray, int]:
         """Return a whole number for every pixel of the panel, and the ``full`` coverage of one that a disc covers.
 
-        The number is 2^VALUE_BITS * (sum of coverages) + (sum of coverages * values in SHARES). The mean value does not
+        ``value`` (discs,) from 0 to 1, ``size`` (discs,): indices of radii. The number is 2^VALUE_BITS * (sum of coverages) + (sum of coverages * values in SHARES). The mean value does not
         depend on the order of the discs. Full coverage is LEVELS; where too many discs meet for the bits of the sum,
         all coverages of the picture are coarser, and sums of many hundreds of discs are cut off. Along ``periodic``
         directions (columns, rows) discs that leave the panel at one side enter at the other; else they are cut off.
         """
         touching = self._touching(points)
-        kept = points[0][touching], points[1][touching]
+        kept, stamp = (points[0][touching], points[1][touching]), PLACES**2 * size[touching]
         weight = np.rint(SHARES * value[touching]).astype(np.int64)
         weight += 1 << VALUE_BITS
-        total = self._added(kept, weight, self._stamps, periodic)
+        total = self._added(kept, stamp, weight, self._stamps, periodic)
         coarser = min(int(total.max() >> _SUM_BITS).bit_length(), _COARSEST)
         if coarser:
-            total = self._added(kept, weight, (self._stamps + (1 << coarser - 1)) >> coarser, periodic)
+            total = self._added(kept, stamp, weight, (self._stamps + (1 << coarser - 1)) >> coarser, periodic)
             np.minimum(total, (1 << _SUM_BITS) - 1, out=total)
         return total, (LEVELS + (1 << coarser >> 1)) >> coarser
 
-    def _added(self, points: Points, weight: np.ndarray, stamps: np.ndarray, periodic: tuple[bool, bool]) -> np.ndarray:
+    def _added(
+        self, points: Points, first: np.ndarray, weight: np.ndarray, stamps: np.ndarray, periodic: tuple[bool, bool]
+    ) -> np.ndarray:
         """Return the sum of ``stamps`` times ``weight`` in every pixel of the panel, int64."""
         flat = np.zeros(self._margined[0] * self._margined[1], dtype=np.int64)
-        for part, index, coverage in self._pixels(points, stamps):
+        for part, index, coverage in self._pixels(points, stamps, first):
             coverage *= weight[part, None]
             np.add.at(flat, index.ravel(), coverage.ravel())
         panel = flat.reshape(self._margined)
@@ -89,13 +99,14 @@ class Discs:
         (column, row), reach, (rows, columns) = points, self._reach, self.panel
         return (column > -reach) & (column < columns + reach) & (row > -reach) & (row < rows + reach)
 
-    def _pixels(self, points: Points, stamps: np.ndarray, once: bool = False) -> Iterator[Part]:
+    def _pixels(self, points: Points, stamps: np.ndarray, first: Any = 0, once: bool = False) -> Iterator[Part]:
         """Yield, for a slice of the discs at a time, flat pixel indices and coverages (discs, pixels of a disc).
 
-        With ``once`` discs at the same place count as one.
+        ``first`` (discs,): the first of the ``stamps`` of their sizes. With ``once`` discs of one size at the same
+        place count as one.
         """
         column, row = (np.floor(PLACES * values).astype(np.intp) for values in points)
-        place = row % PLACES * PLACES + column % PLACES
+        place = row % PLACES * PLACES + column % PLACES + first
         corner = (row // PLACES + self._side - self._before) * self._margined[1]
         corner += column // PLACES + self._side - self._before
         if once:

@@ -223,7 +223,7 @@ class Stream(OpenEnded, Cell):
             for kind in LOADS[:2]:
                 load = loads[f"{kind}{name}"]
                 found[f"{kind}_coefficient{name}"] = None if load is None else load / pressure
-            outline = body.boundary_points(0.1 * self.spacing, snapshot.t).point
+            outline = body.boundary_points(0.1 * self.wanted_spacing.smallest, snapshot.t).point
             ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
             found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
         found |= {**self.balance(snapshot, flows), **self.drop_in_time(snapshot.t, series)}
@@ -250,7 +250,7 @@ class Stream(OpenEnded, Cell):
         for name, body in self._walls:
             if name[1:] not in self._stepped:
                 continue
-            boundary = body.boundary_points(0.5 * self.spacing)
+            boundary = body.boundary_points(0.5 * self.wanted_spacing.smallest)
             order = np.argsort(self.inlet.shape.normal[0] * boundary.point[:, 0], kind="stable")  # downstream
             point, normal = boundary.point[order], boundary.normal[order]
             fits, radius = local_fits(tree, point, velocity, 4)

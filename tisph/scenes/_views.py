@@ -30,7 +30,8 @@ class Line:
     """A straight line through the box along an axis, and the particles on it.
 
     ``along``: ``x`` or ``y``; ``ends``: first and last coordinate along the line; ``place``: the other coordinate. The
-    particles on the line are at most ``half_width`` from ``place``: all particles where nothing depends on it.
+    particles on the line are at most ``half_width`` from ``place``, and half of their own widths where these vary: all
+    particles where nothing depends on it.
     """
 
     along: str
@@ -47,7 +48,7 @@ class Line:
         if self.half_width == math.inf:
             return slice(None)
         across = getattr(snapshot, "x" if self.along == "y" else "y")
-        return np.abs(across - self.place) <= self.half_width
+        return np.abs(across - self.place) <= np.minimum(self.half_width, (0.5 + ROUNDING) * snapshot.widths(math.inf))
 
     def particles(self, snapshot: Snapshot) -> np.ndarray:
         """Return the indices of the particles on the line, in the order of their coordinate along it."""

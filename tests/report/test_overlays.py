@@ -130,6 +130,17 @@ def box(**changes):
     return SimpleNamespace(**{"flows_through": False, "drive_shown": AT_REST, "wanted_spacing": wanted, **given})
 
 
+def test_particles_put_in_between_others_have_their_dye():
+    x, y, _ = places(20)
+    dye, passages = Dye(box(periodic=(False, False)), "stripes"), np.zeros(len(x), dtype=int)
+    area = np.ones(len(x))
+    dye.of(SimpleNamespace(x=x, y=y, passages=passages, area=area))
+    new = passages + (np.arange(len(x)) % 7 == 3)
+    shown = dye.of(SimpleNamespace(x=x, y=y, passages=new, area=area))
+    middle = np.abs(x * 8 / 1.5 % 1.0 - 0.5) < 0.2
+    assert np.array_equal(shown[middle], np.floor(x[middle] * 8 / 1.5) % 2)
+
+
 @pytest.mark.parametrize("pattern", ["stripes", "checkerboard", "blob"])
 def test_dye_stays_with_its_particles(pattern):
     x, y, _ = places(20)

@@ -151,7 +151,10 @@ time: {end: 1.0}
 
 @pytest.fixture
 def rotating(tmp_path):
-    """Results and snapshots of a fluid in rigid rotation around a body that leaves the cell and comes back."""
+    """Results and snapshots of a fluid in rigid rotation around a body that leaves the cell and comes back.
+
+    Its particles have areas of their own, and at the second sample there are three fewer.
+    """
     (tmp_path / "case.yaml").write_text(ROTATING)
     config = load(tmp_path / "case.yaml")
     (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())
@@ -160,8 +163,9 @@ def rotating(tmp_path):
     samples, snapshots = Samples(tmp_path / "samples.h5", scene, TIMES, about=about), []
     live = Vtk(tmp_path / "live.vtkhdf", samples, None, about)
     for step, t in enumerate(TIMES):
-        loads = np.full((2, len(scene.bodies), 4), 3.0)
+        loads, x, y = np.full((2, len(scene.bodies), 4), 3.0), x[3 * step :], y[3 * step :]
         one = {"density": 1.0 + 0 * x, "pressure": 0 * x, "bodies": Bodies.at(t, scene.bodies, loads)}
+        one |= {"area": (0.5 + x) / len(x), "passages": np.full(len(x), step)}
         snapshots.append(Snapshot(t=t, step=step, x=x, y=y, u=-3.0 * (y - 0.5), v=3.0 * (x - 1.0), **one))
         samples.observe(snapshots[-1])
         live.observe(snapshots[-1])
@@ -190,6 +194,22 @@ def test_vtkhdf_has_bodies_where_they_are_and_the_vorticity(rotating):
             away = outline[:, :2] - middle
             turned = away @ np.array([[np.cos(2 * t), -np.sin(2 * t)], [np.sin(2 * t), np.cos(2 * t)]])
             assert np.abs(turned).max(axis=0) == pytest.approx([0.2, 0.1], abs=1e-3)
+
+
+def test_particles_have_areas_and_their_number_may_change(rotating):
+    run, snapshots = rotating
+    numbers = [len(snapshot.x) for snapshot in snapshots]
+    with h5py.File(export(run, "vtkhdf")) as file:
+        assert file["VTKHDF/NumberOfPoints"][:].tolist() == numbers
+        assert np.array_equal(file["VTKHDF/PointData/area"], np.concatenate([each.area for each in snapshots]))
+        assert "area [m^2]" in file["VTKHDF/FieldData/units"][0].decode()
+    with np.load(export(run, "npz")) as arrays:
+        for step, count in enumerate(numbers):
+            assert np.array_equal(arrays["area"][step, :count], snapshots[step].area)
+        assert np.isnan(arrays["x"][1, -3:]).all()
+        assert arrays["passages"][1, -4:].tolist() == [1, -1, -1, -1]
+    rows = [line.split(",") for line in export(run, "csv").read_text().splitlines() if line[0].isdigit()]
+    assert [sum(float(row[0]) == t for row in rows) for t in TIMES] == numbers
 
 
 def test_vtk_reads_bodies_and_frames(rotating):

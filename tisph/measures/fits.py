@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.region import nearest_image, wrapped
+from tisph.geometry.wanted_spacing import graded_boundary
 from tisph.measures.flow import FlowInBox
 from tisph.snapshot import Snapshot
 
@@ -46,15 +47,18 @@ ACROSS = 4, 9
 
 def with_walls(scene: FlowInBox, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
     """Return positions and velocities (n, 2) of the particles, then of points on walls and inlets a spacing apart."""
-    walls = _walls(scene.seen(snapshot), snapshot.t)
+    walls = wall_points(scene.seen(snapshot), snapshot.t)
     velocities = [body.velocity(points, snapshot.t) for body, points in walls]
     positions, velocity = _particles(snapshot)
     return np.concatenate([positions, *(points for _, points in walls)]), np.concatenate([velocity, *velocities])
 
 
-def _walls(scene: FlowInBox, t: float) -> list[tuple[Any, np.ndarray]]:
+def wall_points(scene: FlowInBox, t: float) -> list[tuple[Any, np.ndarray]]:
     """Return the walls and ends at which the velocity is known, each with points (n, 2) on it a spacing apart."""
-    return [(body, body.boundary_points(scene.spacing, t).point) for body in scene.bodies if body.moves_fluid]
+    wanted, walls = scene.wanted_spacing, [body for body in scene.bodies if body.moves_fluid]
+    if wanted.varies:
+        return [(body, body.placed(graded_boundary(body, wanted, t), t).point) for body in walls]
+    return [(body, body.boundary_points(scene.spacing, t).point) for body in walls]
 
 
 def _particles(snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray]:
@@ -287,7 +291,7 @@ def section_mean(scene: FlowInBox, snapshot: Snapshot, place: float, degree: int
     chosen = near(snapshot.x.astype(float))
     positions = [np.stack([snapshot.x[chosen], snapshot.y[chosen]], axis=1).astype(float)]
     velocity = [snapshot.u[chosen, None].astype(float)]
-    for body, points in _walls(scene, t):
+    for body, points in wall_points(scene, t):
         points = points[near(points[:, 0])]
         if len(points):
             positions.append(points)

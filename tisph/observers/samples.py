@@ -71,7 +71,7 @@ class Description:
         fields |= {"contact_force": loads["force"], "t": time}
         fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
-        fields["vorticity"] = f"1/{time}"
+        fields |= {"vorticity": f"1/{time}", "area": f"{length}^2"}
         return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}
 
     def comment(self, content: str) -> str:
@@ -235,10 +235,10 @@ def read_snapshots(path: Path, fields: tuple[str, ...] = FIELDS) -> Iterator[Sna
             yield Snapshot(t=float(group.attrs["t"]), step=int(group.attrs["step"]), **stored)
 
 
-FRAME_FIELDS = ("x", "y", "u", "v", "w", "stress_xy", "passages")
+FRAME_FIELDS = ("x", "y", "u", "v", "w", "stress_xy", "passages", "area")
 """Fields that every movie may show: the stress exists only with polymer, w only in axisymmetric flow.
 
-``passages`` exist only with open ends."""
+``passages`` exist only where particles enter and leave, areas where they vary."""
 
 FRAME_DELAY = 5.0
 """Seconds of the clock between two writings of frames: one at a time takes longer than many a simulation, and every

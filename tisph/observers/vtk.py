@@ -75,7 +75,7 @@ def fields(particles: Particles) -> Iterator[Field]:
             if parts[0] + suffix in units:
                 here = tuple(part and part + suffix for part in parts)
                 yield name + suffix, _together(particles, here), units[here[0]]
-        for name in ("pressure" + suffix, "density" + suffix, "vorticity" + suffix):
+        for name in ("pressure" + suffix, "density" + suffix, "vorticity" + suffix, "area" + suffix):
             if name in units:
                 yield name, particles[name].astype(float), units[name]
 
@@ -93,14 +93,14 @@ LARGEST_CHUNK = 65536
 """Most rows in a chunk of a dataset."""
 
 PIECES = 4
-"""Points of an outline on the length of a particle spacing."""
+"""Points of an outline on the length of the smallest spacing."""
 
 
 def append(file: Any, snapshot: Snapshot, about: Description) -> None:
     """Append particles as the next step to an open HDF5 ``file``, which is empty before the first one.
 
-    It has ``velocity``, ``pressure``, ``density``, ``stress``, of two-dimensional flow ``vorticity``, and ``particle``,
-    and the exact ones. Field data: ``units``, a text with the unit of each field; and the ``config`` as YAML.
+    It has ``velocity``, ``pressure``, ``density``, ``stress``, of two-dimensional flow ``vorticity``, ``area`` where it
+    varies, and ``particle``, and the exact ones. Field data: ``units``, a text with the unit of each field; and the ``config`` as YAML.
     ``about`` is the ``Description`` of the run.
     """
     particles, count = SnapshotArrays(about, snapshot), len(snapshot.x)
@@ -129,7 +129,7 @@ def append_bodies(file: Any, snapshot: Any, about: Description) -> None:
 
 def _outline(scene: Scene, body: Body, centre: np.ndarray, angle: float) -> np.ndarray:
     """Return the boundary (n, 2) of a body, closed where the fluid is in it, at the copy that is in the box."""
-    edge, periods = body.shape.boundary_points(scene.spacing / PIECES).point, np.array(body.periods)
+    edge, periods = body.shape.boundary_points(scene.wanted_spacing.smallest / PIECES).point, np.array(body.periods)
     left = np.floor((centre - scene.origin) / periods)  # 0 along an axis without a period
     centre = centre - np.where(np.isfinite(periods), left, 0.0) * np.nan_to_num(periods, posinf=0.0)
     return Placement(centre, angle).to_lab_frame(

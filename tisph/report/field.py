@@ -30,25 +30,29 @@ from tisph.snapshot import Snapshot
 
 _STRIPES = 8  # along x
 _SQUARES = 6  # along the shorter side
+_WITHIN = 0.9  # of the largest spacing: particles of less width do not come from an inlet
 _BLOB = 0.25, 0.5, 0.15  # where the middle of a blob is in the box, and its radius over the shorter side
 
 
 class Dye:
     """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob.
 
-    Fluid that enters through an inlet is in bands across it, or behind a blob in one band: streaklines.
+    Fluid that enters through an inlet is in bands across it, or behind a blob in one band: streaklines. Where the
+    spacing varies, particles are also put in between others. They are those without an inlet, or smaller than at it.
     """
 
     def __init__(self, scene: Scene, pattern: str):
         self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
         self._pattern, self._share = pattern, getattr(self, f"_{pattern}")
+        self._within = _WITHIN * scene.spacing if scene.flows_through else math.inf
         self._colours: np.ndarray | None = None
         self._passages: np.ndarray | None = None
 
     def of(self, snapshot: Snapshot) -> np.ndarray:
         """Return 0 or 1 for each particle, by where it was in the first snapshot for which this was called.
 
-        A particle that has entered since an earlier call gets its colour by its height in this snapshot.
+        A particle that has entered since an earlier call gets its colour by its height in this snapshot, or from the
+        nearest other one if it was put in between.
         """
         places = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
         places = np.where(np.isfinite(places), places, 0.0) - self._low
@@ -59,6 +63,11 @@ class Dye:
             entered[:known] = snapshot.passages[:known] != self._passages[:known]
             colours = self._band(places[:, 1])
             colours[~entered] = self._colours[: len(places)][~entered[:known]]
+            if snapshot.area is not None and not entered.all():
+                from scipy.spatial import cKDTree
+
+                between = entered & (np.sqrt(snapshot.area) < self._within)
+                colours[between] = colours[~entered][cKDTree(places[~entered]).query(places[between])[1]]
             self._colours = colours
         self._passages = snapshot.passages
         return self._colours

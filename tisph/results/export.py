@@ -3,7 +3,8 @@
 * csv: a line a particle and sample; lines before the header that begin with ``#`` describe the file.
 * extxyz, extended XYZ: a frame a sample, its box and its columns in the second line (of libAtoms, as ASE and OVITO read
   it), https://github.com/libAtoms/extxyz.
-* npz: arrays by name, ``t`` and ``step`` (samples,), ``x``, ``y``, ``u`` and so on (samples, particles).
+* npz: arrays by name, ``t`` and ``step`` (samples,), ``x``, ``y``, ``u`` and so on (samples, particles); samples with
+  fewer particles than others end in NaN, or in -1 for whole numbers.
 * vtkhdf: all samples as one UnstructuredGrid over time, as a run writes it with ``output: {vtk: true}``.
 """
 
@@ -74,10 +75,16 @@ def write_npz(path: Path, run: "Results") -> None:
         "step": np.array([sample.step for sample in samples]),
         "units": np.array(json.dumps(units)),
         "config": np.array(run.config.resolved_yaml()),
-        **{name: np.stack([each[name] for each in found]) for name in found[0]},
+        **{name: _stacked([each[name] for each in found]) for name in found[0]},
     }
     with path.open("wb") as file:
         np.savez_compressed(file, **arrays)
+
+
+def _stacked(arrays: list[np.ndarray]) -> np.ndarray:
+    """Return ``arrays`` (particles,) of samples as (samples, particles), the largest number of particles."""
+    most, gap = max(map(len, arrays)), -1 if arrays[0].dtype.kind == "i" else np.nan
+    return np.stack([np.pad(each, (0, most - len(each)), constant_values=gap) for each in arrays])
 
 
 def write_vtkhdf(path: Path, run: "Results", frames: bool = False, add: Callable = append) -> None:

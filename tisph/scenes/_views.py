@@ -14,6 +14,7 @@ from tisph.measures.fits import (
     stream_function,
     velocity_gradients,
     vorticity,
+    wall_points,
     with_walls,
 )
 from tisph.measures.flow import FlowInBox
@@ -155,11 +156,8 @@ def walled(scene: FlowInBox, snapshot: Snapshot) -> Snapshot:
     (x, y), (u, v) = (part.T for part in with_walls(scene, snapshot))
     w = snapshot.w
     if w is not None:
-        spins = [
-            body.spin.velocity(snapshot.t) * body.boundary_points(scene.spacing, snapshot.t).point[:, 1]
-            for body in scene.seen(snapshot).bodies
-        ]
-        w = np.concatenate([w, *spins])
+        walls = wall_points(scene.seen(snapshot), snapshot.t)
+        w = np.concatenate([w, *(body.spin.velocity(snapshot.t) * points[:, 1] for body, points in walls)])
     return replace(snapshot, x=x, y=y, u=u, v=v, w=w)
 
 

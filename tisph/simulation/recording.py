@@ -209,6 +209,7 @@ def summarise(recording: Recording) -> dict[str, Any]:
             "reynolds": scene.reynolds,
             "reference_velocity": scene.reference_velocity,
             "spacing": scene.spacing,
+            **({"smallest_spacing": scene.wanted_spacing.smallest} if scene.wanted_spacing.varies else {}),
             "particles_fluid": scene.particles,
             **scheme.numbers(),
             **_steady(history),

@@ -72,10 +72,10 @@ RESOLUTION = ("discretisation.particles_across", "discretisation.spacing", "time
 """Keys of the resolution in space and time: the error scales with a power of them."""
 
 SUMMARY_NAMES = """
-reynolds reference_velocity spacing particles_fluid steady_since dt_min dt_max mach sound_speed neighbours_mean
-neighbour_rebuilds particles_wall steps_rejected order_reduced neighbourhoods_dropped divergence iterations_pressure
-iterations_velocity contacts contact_time contact_force steps wall_total_s wall_import_s wall_compile_s wall_loop_s
-wall_output_s processor_loop_s processor_output_s particle_steps_per_s peak_memory_mb
+reynolds reference_velocity spacing smallest_spacing particles_fluid steady_since dt_min dt_max mach sound_speed
+neighbours_mean neighbour_rebuilds particles_wall steps_rejected order_reduced neighbourhoods_dropped divergence
+iterations_pressure iterations_velocity contacts contact_time contact_force steps wall_total_s wall_import_s
+wall_compile_s wall_loop_s wall_output_s processor_loop_s processor_output_s particle_steps_per_s peak_memory_mb
 """
 """Names in the parts ``numbers`` and ``cost`` of ``summary.json``, of all flows and schemes."""
 

@@ -230,7 +230,7 @@ def test_the_layer_in_front_of_a_body_stays_thin(load_flow):
     scene = scenes.of(load_flow(CHANNEL, "fluid.kinematic_viscosity=0.005"))
     nu = scene.kinematic_viscosity
     front = 2.4 * math.sqrt(nu * 0.2 / 2.0)
-    assert scene.thinnest_layer(1e3) == (pytest.approx(front), "the layer in front of a body")
+    assert scene.thinnest_layer(1e3)[:2] == (pytest.approx(front), "the layer in front of a body")
     assert scene.thinnest_layer(0.01)[0] == pytest.approx(math.sqrt(0.01 * nu))
     text = f"the layer in front of a body is {front * 24:.2g} spacings thin; resolved from 2 spacings on"
     assert resolution(scene, 1e3) == (False, text)

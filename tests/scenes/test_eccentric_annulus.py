@@ -50,7 +50,7 @@ def test_the_inner_axis_is_off_by_its_part_of_the_mean_gap(case):
     scene = case("geometry.eccentricity=0.7", "discretisation.particles_across=12")
     assert scene.bodies[0].centre == pytest.approx((0.7, 0.0))
     assert scene.bodies[1].centre == (0.0, 0.0)
-    gap, what = scene.narrowest(0.0)[1]
+    gap, what = scene.narrowest(0.0)[1][:2]
     assert gap == pytest.approx(smallest_gap(scene.bodies)[0], rel=1e-6)
     assert "gap between the cylinders" in what
     x, y = scene.jittered(0, 0.2)

@@ -305,18 +305,30 @@ def smallest_gap(
     for bound, (i, j) in _bounds(bodies, time, points):
         if bound > min(least, below):
             break
-        if i != j:
-            apart = gap(bodies[i], bodies[j], time, points)
-        elif bodies[i].in_fluid:
-            body = bodies[i]
-            alone = replace(body, periods=(math.inf, math.inf))
-            copies = [replace(alone, centre=tuple(body.centre + offset)) for offset in body.periodic_offsets()]
-            apart = min((gap(alone, copy, time, points) for copy in copies), default=math.inf)
-        else:
-            continue
+        apart = _apart(bodies[i], bodies[j], time, points)
         if apart < least or (closest and apart == least and (i, j) < closest):
             least, closest = apart, (i, j)
     return least, closest
+
+
+def gaps_below(
+    bodies: Sequence[Body], below: float, time: float = 0.0, points: int = POINTS
+) -> list[tuple[float, int, int]]:
+    """Return the gaps among ``bodies`` that are smaller than ``below``, each with the indices i <= j of the two."""
+    pairs = [pair for bound, pair in _bounds(bodies, time, points) if bound < below]
+    found = [(_apart(bodies[i], bodies[j], time, points), i, j) for i, j in pairs]
+    return [each for each in found if each[0] < below]
+
+
+def _apart(one: Body, other: Body, time: float, points: int) -> float:
+    """Return the gap between two bodies, or between a body and its own copy; infinite for a wall and itself."""
+    if one is not other:
+        return gap(one, other, time, points)
+    if not one.in_fluid:
+        return math.inf
+    alone = replace(one, periods=(math.inf, math.inf))
+    copies = [replace(alone, centre=tuple(one.centre + offset)) for offset in one.periodic_offsets()]
+    return min((gap(alone, copy, time, points) for copy in copies), default=math.inf)
 
 
 def _bounds(bodies: Sequence[Body], time: float, points: int) -> list[tuple[float, tuple[int, int]]]:

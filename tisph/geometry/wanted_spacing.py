@@ -7,7 +7,7 @@ it, and the distance w_k up to which its spacing holds. Without sources it is H 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -98,6 +98,18 @@ class WantedSpacing:
         outline = body.boundary_points(min(shape.length / PIECES, np.inf if sharp else 0.5 * shape.smallest_radius))
         bend = np.abs(outline.curvature)
         return float(self.at(outline.point[bend >= 0.9 * bend.max()]).max())
+
+    def between(self, one: Body, other: Body, time: float) -> float:
+        """Return the spacing in the middle of the gap between a closed wall and another one, or its own copy."""
+        if not self.varies:
+            return self.largest
+        if one is other:
+            offset = min(one.periodic_offsets(), key=np.linalg.norm)
+            other = replace(one, centre=tuple(one.centre + offset), periods=(np.inf, np.inf))
+        outline = one.boundary_points(one.shape.length / PIECES, time).point
+        foot = other.nearest(outline, time)
+        k = int(np.argmin(foot.distance))
+        return float(self.at(0.5 * (outline[[k]] + foot.point[[k]]), time)[0])
 
     def at(self, places: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the spacings (n,) [length] at ``places`` (n, 2), in the frame of the scene, at ``time``."""

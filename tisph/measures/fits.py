@@ -271,7 +271,7 @@ def cell_mean(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
 
 
 BAND = 8.0
-"""Largest spacings on both sides of a cross-section within which all particles of its fits lie, also in a gap of three."""
+"""Largest spacings on both sides of a cross-section in which all particles of its fits lie, also in a gap of three."""
 
 
 def section_mean(scene: FlowInBox, snapshot: Snapshot, place: float, degree: int = 4) -> float:

@@ -21,6 +21,9 @@ from tisph.snapshot import Snapshot
 
 Kind = TypeVar("Kind", bound="FlowInBox")
 
+Size = tuple[float, str] | tuple[float, str, float]
+"""Size [length] of a layer, radius or gap, its name, and the spacing there, else ``wall_spacing``."""
+
 FAINT = 0.015
 """Fraction of a velocity jump that is negligible: resolved samples may have this error (measures/resolution.py)."""
 
@@ -283,10 +286,24 @@ class FlowInBox(FlowDefaults):
         """Return the depth sqrt(nu t) [length] of the layer at a wall that started a time ``t`` ago."""
         return math.sqrt(self.spreading_viscosity(t) * t)
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    @cached_property
+    def wall_spacings(self) -> list[float]:
+        """Largest spacing along each of the ``bodies`` at the start."""
+        wanted, t = self.wanted_spacing, self.start_time
+        if not wanted.varies:
+            return [self.spacing] * len(self.bodies)
+        return [float(wanted.at(body.boundary_points(wanted.smallest, t).point, t).max()) for body in self.bodies]
+
+    @property
+    def wall_spacing(self) -> float:
+        """Largest spacing along walls and bodies at the start; the largest one without any."""
+        walls = zip(self.wall_spacings, self.bodies, strict=True)
+        return max((spacing for spacing, body in walls if body.solid), default=self.spacing)
+
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """Return the smallest radius of a wall that bulges into the fluid, and the smallest gap at time ``t``.
 
-        Each is a pair: size [length], infinite if there is none, and its name.
+        Where the spacing varies, they are those that are the smallest in spacings; infinite if there is none.
         """
         return (math.inf, ""), (math.inf, "")
 
@@ -312,8 +329,11 @@ class FlowInBox(FlowDefaults):
         """Return this flow in a frame that moves with ``frame_velocity``."""
         return self
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
-        """Return the depth [length] of the thinnest layer in the flow at time ``t`` and its name; infinite if none."""
+    def thinnest_layer(self, t: float) -> Size:
+        """Return the depth of the thinnest layer in the flow at time ``t``, infinite if none.
+
+        Where the spacing varies, it is the layer that is the thinnest in spacings.
+        """
         return math.inf, ""
 
     def open_section(self, t: float) -> float | None:

@@ -107,7 +107,7 @@ def _unsteady(key: str, reason: str, change: float | None = None) -> dict[str, A
 
 
 LEAST_DEPTH = 2.0
-"""Least depth of a resolved layer, in particle spacings.
+"""Least depth of a resolved layer, in particle spacings at its wall.
 
 The L2 error of the velocities of the layer is then at most 1.5 % and the error of the wall shear 1 %, with both schemes
 and every order; with polymer the error of the wall shear is 5 %. ``benchmarks/resolution.py`` measures them; a part of
@@ -162,14 +162,14 @@ def unresolved(scene: FlowInBox, t: float, snapshot: Snapshot | None = None) -> 
     Before the run, without a ``snapshot``, only layers, radii and gaps are checked. Without inertia there is no layer.
     """
     given, scene = scene, scene if snapshot is None else scene.seen(snapshot)
-    depth, layer = scene.thinnest_layer(t) if scene.inertia else (math.inf, "")
-    spacings = depth / scene.spacing
+    depth, layer, *there = scene.thinnest_layer(t) if scene.inertia else (math.inf, "")
+    spacings = depth / (there[0] if there else scene.wall_spacing)
     if spacings < LEAST_DEPTH:
         text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
         return f"layer of {spacings:.1f} spacings" if spacings else "layer that starts", text
     radius, gap = scene.narrowest(t)
-    for name, (size, what), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
-        spacings = size / scene.spacing
+    for name, (size, what, *there), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
+        spacings = size / (there[0] if there else scene.wall_spacing)
         if spacings < least * (1 - 1e-4):  # the error of gaps of moving bodies
             text = f"{what} is {spacings:.2g} spacings; resolved from {least:g} on"
             return f"{name} of {spacings:.2g} spacings", text

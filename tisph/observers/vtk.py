@@ -100,8 +100,8 @@ def append(file: Any, snapshot: Snapshot, about: Description) -> None:
     """Append particles as the next step to an open HDF5 ``file``, which is empty before the first one.
 
     It has ``velocity``, ``pressure``, ``density``, ``stress``, of two-dimensional flow ``vorticity``, ``area`` where it
-    varies, and ``particle``, and the exact ones. Field data: ``units``, a text with the unit of each field; and the ``config`` as YAML.
-    ``about`` is the ``Description`` of the run.
+    varies, and ``particle``, and the exact ones. Field data: ``units``, a text with the unit of each field; and the
+    ``config`` as YAML. ``about`` is the ``Description`` of the run.
     """
     particles, count = SnapshotArrays(about, snapshot), len(snapshot.x)
     found = list(fields(particles))

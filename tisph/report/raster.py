@@ -56,10 +56,11 @@ class Discs:
     ) -> tuple[np.ndarray, int]:
         """Return a whole number for every pixel of the panel, and the ``full`` coverage of one that a disc covers.
 
-        ``value`` (discs,) from 0 to 1, ``size`` (discs,): indices of radii. The number is 2^VALUE_BITS * (sum of coverages) + (sum of coverages * values in SHARES). The mean value does not
-        depend on the order of the discs. Full coverage is LEVELS; where too many discs meet for the bits of the sum,
-        all coverages of the picture are coarser, and sums of many hundreds of discs are cut off. Along ``periodic``
-        directions (columns, rows) discs that leave the panel at one side enter at the other; else they are cut off.
+        ``value`` (discs,) from 0 to 1, ``size`` (discs,): indices of radii. The number is 2^VALUE_BITS * (sum of
+        coverages) + (sum of coverages * values in SHARES). The mean value does not depend on the order of the discs.
+        Full coverage is LEVELS; where too many discs meet for the bits of the sum, all coverages of the picture are
+        coarser, and sums of many hundreds of discs are cut off. Along ``periodic`` directions (columns, rows) discs
+        that leave the panel at one side enter at the other; else they are cut off.
         """
         touching = self._touching(points)
         kept, stamp = (points[0][touching], points[1][touching]), PLACES**2 * size[touching]

@@ -3,7 +3,6 @@
 from typing import TYPE_CHECKING
 
 from tisph import registry
-from tisph.scenes._spacing import with_sources
 
 if TYPE_CHECKING:
     from tisph.config.schema import Config
@@ -12,4 +11,6 @@ if TYPE_CHECKING:
 
 def of(config: "Config") -> "Scene":
     """Return the scene that ``config`` describes."""
+    from tisph.scenes._spacing import with_sources  # the drawing process, which takes scenes, does without configs
+
     return with_sources(registry.load("scenes", config.scene).Scene.from_config(config), config)

@@ -19,6 +19,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.region import Region
 from tisph.geometry.shape import POINTS, volume_of_revolution
 from tisph.measures.fits import max_void_radius, min_distance, section_mean
+from tisph.measures.flow import Size
 from tisph.scenes._initial import incommensurate_periods
 from tisph.scenes._scene import BodyScene, bodies_in
 from tisph.scenes._views import Line as ProfileLine
@@ -158,7 +159,7 @@ class AxisymmetricScene(BodyScene):
         """Times above 0 at which the angular velocity of a wall, or its slope, jumps."""
         return tuple(sorted({time for body in self.bodies for time in body.spin.jump_times}))
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """Return the radius of the inner wall, and the gap between the walls, as ``Scene.narrowest``.
 
         If that wall turns, the shear rate falls as r^(-2/n), n the index of a power law. This is the shear rate of a
@@ -166,7 +167,8 @@ class AxisymmetricScene(BodyScene):
         """
         index = min(1.0, getattr(self.rheology, "index", 1.0)) if self.swirls else 1.0
         what = "the radius of the inner wall" + (f" times the fluid's index {index:g}" if index < 1.0 else "")
-        return (index * self.inner_radius or np.inf, what), (self.extent[1], "the gap between the walls")
+        radius = index * self.inner_radius or np.inf, what, self.wall_spacings[0]
+        return radius, (self.extent[1], "the gap between the walls")
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields of a fluid at rest without stress."""

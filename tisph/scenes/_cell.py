@@ -403,15 +403,15 @@ class Cell(CellFlow):
             lines.append(("free bodies", text))
         changes = "will change" if self._free else "may change"
         moves = "" if self.gaps_stay and not self._free else f" at the start; gaps {changes} as bodies move"
-        radius, gap = (size for size, _ in self.narrowest(self.start_time))
+        radius, gap = self.narrowest(self.start_time)
         least_radius = f"at least {_clearance.LEAST_RADIUS:g}, a circle {0.5 * _clearance.LEAST_WIDTH:g}"
         least_gap = f"at least {_clearance.LEAST_GAP:g}"
-        for name, size, least, enough, more in (
+        for name, (size, _, *there), least, enough, more in (
             ("smallest radius", radius, least_radius, resolution.LEAST_RADIUS, ""),
             ("narrowest gap", gap, least_gap, resolution.LEAST_GAP, moves),
         ):
             if np.isfinite(size):
-                spacings = f"{size / self.spacing:.3g} spacings ({least}; resolved from {enough:g} on)"
+                spacings = f"{size / there[0]:.3g} spacings ({least}; resolved from {enough:g} on)"
                 lines.append((name, f"{size:.4g} {length}, {spacings}{more}"))
         if self.acceleration:
             lines.append(("drive", f"{self.acceleration:.6g} {length}/{time}^2 along x"))

@@ -12,11 +12,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tisph.config.schema import Config
-from tisph.geometry.body import POINTS, Body, smallest_gap
+from tisph.geometry.body import POINTS, Body, gaps_below, smallest_gap
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.outline import EndToEnd
 from tisph.measures import resolution
 from tisph.measures.fits import cell_mean, section_mean
+from tisph.measures.flow import Size
 from tisph.scenes._scene import BodyScene, bodies_in, farthest, largest_speed, open_place
 from tisph.scenes._views import planar_diagnostics
 from tisph.snapshot import Snapshot
@@ -221,19 +222,24 @@ class CellFlow(BodyScene):
         moved = [f"{kind}{name}" for kind, name in self._motion_columns]
         return (*loads, *moved, *self.mean_stress_names, VELOCITY)
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
-        """See ``Scene.thinnest_layer``: layers at walls that started at t = 0, oscillate, or face the flow."""
-        radius = min((body.shape.convex_radius for body in self.bodies if body.shape.area), default=math.inf)
-        strain_rate = self.peak_velocity / radius
-        front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        layers = [(self.layer_depth(t), "the layer at bodies and walls"), (front, "the layer in front of a body")]
-        for body in self.bodies:
+    def thinnest_layer(self, t: float) -> Size:
+        """See ``Scene.thinnest_layer``: layers at walls that started at t = 0, oscillate, or face the flow.
+
+        In a flow that is developed at the start without the bodies, layers start at these alone.
+        """
+        started = max(self.wall_spacings[: self.count], default=0.0) if self.initial_velocity else self.wall_spacing
+        layers, peak = [(self.layer_depth(t), "the layer at bodies and walls", started)], self.peak_velocity
+        for body, spacing in zip(self.bodies, self.wall_spacings, strict=True):
+            strain_rate = peak / body.shape.convex_radius if body.shape.area else 0.0
+            if strain_rate:
+                front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate)
+                layers.append((front, "the layer in front of a body", spacing))
             parts: tuple[Any, ...] = (body.motion.x, body.motion.y, body.motion.rotation)
             for part in parts:
                 if part.oscillates and part.largest_speed:
                     moved = 0.5 * part.penetration_depth(self.kinematic_viscosity)
-                    layers.append((moved, "the layer at the oscillating body"))
-        return min(layers)
+                    layers.append((moved, "the layer at the oscillating body", spacing))
+        return min(layers, key=lambda layer: layer[0] / layer[2])
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields at rest, or with ``initial_velocity``."""
@@ -251,7 +257,7 @@ class CellFlow(BodyScene):
         pressure = self.density * speed * (speed + self.kinematic_viscosity / self.reference_length)
         return self.contact_distance, STIFFNESS * pressure
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """See ``Scene.narrowest``; the gaps of free bodies at times after the start need a ``seen`` scene.
 
         Gaps that change count where they may be too narrow for the spacing.
@@ -261,10 +267,11 @@ class CellFlow(BodyScene):
         return self._smallest_radius, self._first_gap if known else self._gap(t, FEW, enough)
 
     @cached_property
-    def _smallest_radius(self) -> tuple[float, str]:
-        radii = [body.shape.convex_radius for body in self.bodies]
-        index = int(np.argmin(radii))
-        return radii[index], f"the smallest radius of {self._named(index)}"
+    def _smallest_radius(self) -> Size:
+        radii = np.array([body.shape.convex_radius for body in self.bodies])
+        spacings = np.array([self.wanted_spacing.along(body) for body in self.bodies])
+        index = int(np.argmin(radii / spacings))
+        return float(radii[index]), f"the smallest radius of {self._named(index)}", float(spacings[index])
 
     @cached_property
     def gaps_stay(self) -> bool:
@@ -272,16 +279,23 @@ class CellFlow(BodyScene):
         return not any(largest_speed(body) for body in self.bodies if body.shape.area)
 
     @cached_property
-    def _first_gap(self) -> tuple[float, str]:
+    def _first_gap(self) -> Size:
         return self._gap(self.start_time, POINTS)
 
-    def _gap(self, t: float, points: int, below: float = math.inf) -> tuple[float, str]:
+    def _gap(self, t: float, points: int, below: float = math.inf) -> Size:
         present = [index for index, body in enumerate(self.solids) if body.enters <= self.start_time]
-        gap, pair = smallest_gap([self.solids[index] for index in present], t, points, below)
+        bodies = [self.solids[index] for index in present]
+        gap, pair = smallest_gap(bodies, t, points, below)
         if pair is None:
             return math.inf, ""
-        one, other = (self._named(present[index]) for index in pair)
-        return gap, f"the gap between {one} and {other if one != other else 'its periodic copy'}"
+        found, wanted = [(gap, *pair)], self.wanted_spacing
+        if wanted.varies:  # a wider gap may have fewer of its own spacings
+            found += gaps_below(bodies, resolution.LEAST_GAP * self.spacing, t, points)
+        spacings = [wanted.between(bodies[i], bodies[j], t) for _, i, j in found]
+        k = int(np.argmin([size / spacing for (size, _, _), spacing in zip(found, spacings, strict=True)]))
+        one, other = (self._named(present[index]) for index in found[k][1:])
+        name = f"the gap between {one} and {other if one != other else 'its periodic copy'}"
+        return found[k][0], name, spacings[k]
 
     def _named(self, index: int) -> str:
         name = self.names[index].lstrip("_")

@@ -16,6 +16,7 @@ from tisph.config.schema import Config
 from tisph.geometry.body import Body, gap
 from tisph.geometry.line import Line
 from tisph.measures.fits import section_mean
+from tisph.measures.flow import Size
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, layer_at_plates
 from tisph.scenes._ends import InletFlow, ends_of
@@ -87,14 +88,17 @@ class RegionOfRevolution(AxisymmetricScene):
         """Loads on bodies and walls; no torques if walls with different angular velocities meet: they diverge."""
         return tuple(name for name in self._columns if not (self.singular and name.startswith("torque")))
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """See ``Scene.narrowest``: the gap is the smallest one between a body and another body or wall."""
-        radius = min(body.shape.convex_radius for body in self.bodies)
-        pairs = ((body, other) for i, body in enumerate(self.bodies[: self.count]) for other in self.bodies[i + 1 :])
-        least = min((gap(*pair, t, POINTS) for pair in pairs), default=math.inf)
-        return (radius, "the smallest radius"), (least, "the gap at a body")
+        wanted = self.wanted_spacing
+        pairs = [(body, other) for i, body in enumerate(self.bodies[: self.count]) for other in self.bodies[i + 1 :]]
+        radii = [(body.shape.convex_radius, "the smallest radius", wanted.along(body)) for body in self.bodies]
+        gaps = [(gap(*pair, t, POINTS), "the gap at a body", wanted.between(*pair, t)) for pair in pairs]
+        none = math.inf, "", 1.0
+        radius, narrow = (min(each, key=lambda size: size[0] / size[2], default=none) for each in (radii, gaps))
+        return radius, narrow
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: the layer at walls that started at t = 0, or turn."""
         started = self.layer_depth(t), "the layer at walls"
         between_cylinders = self.periodic[0] and all(isinstance(body.shape, Line) for body in self.bodies)
@@ -172,7 +176,7 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
             return (*self._columns, "pressure_drop")
         return tuple(name for name in self._columns if name.endswith(tuple(self.names[: self.count])) and self.count)
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
         return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
 

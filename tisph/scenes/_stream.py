@@ -19,6 +19,7 @@ from tisph.geometry.line import Line
 from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import BAND, interpolated, local_fits, periodic_tree, with_walls
+from tisph.measures.flow import Size
 from tisph.measures.resolution import CUBIC_NEIGHBOURS, scatter_in_time
 from tisph.scenes._cell import Cell, DevelopedFlow, bodies_of, planes, walls_along
 from tisph.scenes._cell_flow import LOADS, PLACES, VELOCITY
@@ -195,7 +196,7 @@ class Stream(OpenEnded, Cell):
         places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
         return (*moved, *(["pressure_drop"] if not self._jumps else []), *places)
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
         return super().thinnest_layer(t) if self.count or not self.initial_velocity else (math.inf, "")
 

@@ -35,6 +35,7 @@ from tisph.exact.start_up import CircularStartUp, Wall, slipping
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
+from tisph.measures.flow import Size
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes._initial import Initial, start_problems, still_problem
 from tisph.scenes._scene import BodyScene, age, bodies_in
@@ -188,21 +189,22 @@ class BetweenCylinders(BodyScene):
         walls = self.inner, self.outer
         return any(wall.oscillates for wall in walls) or not any(wall.cosine for wall in walls)
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: layers at cylinders that started or oscillate."""
-        layers = []
-        for name, wall in (("inner", self.inner), ("outer", self.outer)):
+        layers: list[tuple[float, str, float]] = []
+        walls = ("inner", self.inner), ("outer", self.outer)
+        for (name, wall), spacing in zip(walls, self.wall_spacings, strict=True):
             started = self.before(wall) != wall.velocity(0.0) and not self.stays_steady
             since = age(wall, t) if started or wall.jump_times else math.inf
             if since < math.inf:
-                layers.append((self.layer_depth(since), f"the layer at the {name} cylinder"))
+                layers.append((self.layer_depth(since), f"the layer at the {name} cylinder", spacing))
             if wall.oscillates:
                 viscosity = self.kinematic_viscosity
                 if self.rheology and not self.polymer and wall.angular_frequency:
                     viscosity = self.spreading_viscosity(1 / wall.angular_frequency)
                 moved = 0.5 * wall.penetration_depth(viscosity)
-                layers.append((moved, f"the layer at the oscillating {name} cylinder"))
-        return min(layers, default=(math.inf, ""))
+                layers.append((moved, f"the layer at the oscillating {name} cylinder", spacing))
+        return min(layers, key=lambda layer: layer[0] / layer[2], default=(math.inf, "", 1.0))
 
     def before(self, wall: WallMotion | Schedule) -> float:
         """Return the angular velocity of a cylinder before t = 0."""

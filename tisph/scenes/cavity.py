@@ -25,6 +25,7 @@ from tisph.exact.sliding_corner import CornerSingularity
 from tisph.geometry.body import Body, SlidingWall
 from tisph.geometry.line import Line
 from tisph.measures.fits import interpolated, with_walls
+from tisph.measures.flow import Size
 from tisph.measures.resolution import steadiness
 from tisph.scenes._initial import RestInitial
 from tisph.scenes._scene import BodyScene, Reference
@@ -147,9 +148,10 @@ class Cavity(BodyScene):
         """Reynolds number with the speed of the lid, by which references are tabulated."""
         return self.velocity_scale * self.width / self.kinematic_viscosity
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: the layer under the lid, in which fluid stays for a time width/U."""
-        return self.layer_depth(min(t, self.width / self.velocity_scale)), "the layer under the lid"
+        depth = self.layer_depth(min(t, self.width / self.velocity_scale))
+        return depth, "the layer under the lid", self.wall_spacings[2]
 
     @property
     def steepness(self) -> float:

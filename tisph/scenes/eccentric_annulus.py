@@ -16,6 +16,7 @@ from tisph.bodies import _clearance, circle
 from tisph.config.base import Problem
 from tisph.exact.eccentric_cylinders import EccentricCylinders
 from tisph.measures import resolution
+from tisph.measures.flow import Size
 from tisph.measures.metrics import relative_difference
 from tisph.measures.resolution import steadiness
 from tisph.scenes import annulus
@@ -106,10 +107,12 @@ class Scene(BetweenCylinders):
         """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
         return EccentricCylinders(self.inner_radius, self.outer_radius, self.offset, inner, outer)
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """See ``Scene.narrowest``."""
-        gap = self.reference_length - self.offset, "the gap between the cylinders"
-        return (self.inner_radius, "the radius of the inner cylinder"), gap
+        radius = self.inner_radius, "the radius of the inner cylinder", self.wall_spacings[0]
+        inner, outer = self.bodies
+        between = self.wanted_spacing.between(inner, outer, t)
+        return radius, (self.reference_length - self.offset, "the gap between the cylinders", between)
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields at rest, or in the Stokes flow of the cylinders' motion before t = 0."""
@@ -153,11 +156,11 @@ class Scene(BetweenCylinders):
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""
-        gap = self.reference_length - self.offset
+        gap, _, *there = self.narrowest(self.start_time)[1]
         least = f"at least {_clearance.LEAST_GAP:g}; resolved from {resolution.LEAST_GAP:g} on"
         return [
             *super().parameters(),
-            ("narrowest gap", f"{gap:.4g} {self.units.length}, {gap / self.spacing:.3g} spacings ({least})"),
+            ("narrowest gap", f"{gap:.4g} {self.units.length}, {gap / there[0]:.3g} spacings ({least})"),
             ("reference", str(self.reference)),
         ]
 

@@ -23,6 +23,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.motion import FreeMotion, Inertia, RigidMotion, WallMotion
 from tisph.geometry.shape import POINTS, volume_of_revolution
+from tisph.measures.flow import Size
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, wall_speed
 from tisph.scenes._initial import RestInitial, still_problem
@@ -232,17 +233,20 @@ class Scene(AxisymmetricScene):
         """See ``Scene.contact``: a pressure of 0, because nothing touches on the axis."""
         return (self.spacing, 0.0) if self.has_free_bodies else None
 
-    def narrowest(self, t: float) -> tuple[tuple[float, str], tuple[float, str]]:
+    def narrowest(self, t: float) -> tuple[Size, Size]:
         """See ``Scene.narrowest``: radius of curvature of the body, and gap between body and tube."""
         radius = self.sphere.shape.convex_radius
         gap = self.outer_radius - self.reference_length
-        return (radius, "the smallest radius of the sphere"), (gap, "the gap between sphere and tube")
+        wanted, (sphere, tube) = self.wanted_spacing, self.bodies
+        between = gap, "the gap between sphere and tube", wanted.between(sphere, tube, t)
+        return (radius, "the smallest radius of the sphere", wanted.along(sphere)), between
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: the layer at the body that started at t = 0, or in front of the body."""
         strain_rate = 0.75 * self.peak_velocity / self.sphere.shape.convex_radius
         front = FRONT * math.sqrt(self.kinematic_viscosity / strain_rate) if strain_rate else math.inf
-        return min((self.layer_depth(t), "the layer at the sphere"), (front, "the layer in front of the sphere"))
+        layers = (self.layer_depth(t), "the layer at the sphere"), (front, "the layer in front of the sphere")
+        return *min(layers), self.wall_spacings[0]
 
     def open_section(self, t: float) -> float:
         """Return the place along the axis that is farthest from the body at time ``t``."""

@@ -19,6 +19,7 @@ from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.motion import STILL
+from tisph.measures.flow import Size
 from tisph.scenes import _axisymmetric, annulus
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder, layer_at_plates
 from tisph.scenes._initial import RestInitial, still_problem
@@ -159,7 +160,7 @@ class Scene(AxisymmetricScene):
         """Torque [mass length^2/time^2] of the steady laminar flow of a Newtonian fluid on the outer cylinder."""
         return 4.0 * np.pi * self.dynamic_viscosity * self.laminar[1] * self.length
 
-    def thinnest_layer(self, t: float) -> tuple[float, str]:
+    def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: the layer at end plates."""
         return super().thinnest_layer(t) if self.periodic[0] else layer_at_plates(self)
 

@@ -304,5 +304,5 @@ def _off_finer(field: str, place: int, result: Result, finer: Result) -> float:
     weight, values = both[0].weight, [each.T for each in values]
     if field == "pressure":  # known up to a constant
         values = [each - np.mean(weight * each) for each in values]
-    off: Any = relative_difference(*values, weight)
+    off: Any = relative_difference(values[0], values[1], weight)
     return off

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ from polymer_laws import oldroyd_b
 from report_scene import make_channel, make_snapshot
 
 from tisph import scenes
+from tisph.config import load
 from tisph.config.loader import loaded
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
@@ -19,6 +21,7 @@ from tisph.measures.resolution import LEAST_DEPTH, resolution, steadiness
 from tisph.report.labels import error_label
 from tisph.snapshot import Bodies
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
 AT_REST = WallMotion(0.0)
 SWINGING = WallMotion(0.0, 0.005, angular_frequency=2.0)
@@ -203,6 +206,41 @@ def test_a_jump_in_a_table_and_a_drive_are_starts():
     slow = {"walls": {"top": {"times": [0.0, 2.0], "velocities": [0.0, 1e-3]}}, "drive": {"acceleration": 1.0}}
     driven = scenes.of(loaded({**CHANNEL, **slow}, {}))
     assert driven.thinnest_layer(0.04) == (pytest.approx(0.02, rel=1e-12), "the layer at each wall")
+
+
+TWO_CIRCLES = {
+    "scene": "channel",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
+    "geometry": {"gap": 1.0, "length": 3.0},
+    "drive": {"acceleration": 1.0},
+    "bodies": [{"type": "circle", "centre": place, "radius": 0.2} for place in ([0.7, 0.25], [2.2, 0.744])],
+    "discretisation": {"particles_across": 50},
+    "time": {"end": 1.0},
+}
+
+
+@pytest.mark.parametrize(
+    ("spacing", "body", "spacings"), [(0.02, "body 0 and wall bottom", 2.5), (0.005, "body 1 and wall top", 2.8)]
+)
+def test_a_gap_counts_in_the_spacing_between_its_walls(spacing, body, spacings):
+    """One of 0.05, and one of 0.056 in which there are fewer particles when those at the first are finer."""
+    scene = scenes.of(loaded(TWO_CIRCLES, {"bodies.0.spacing": spacing}))
+    size, name, there = scene.narrowest(0.0)[1]
+    assert name == f"the gap between {body}"
+    assert size / there == pytest.approx(spacings, rel=1e-6)
+    assert resolution(scene, 100.0)[1].startswith(name)
+
+
+def test_a_layer_counts_in_the_spacing_at_its_wall():
+    """In a developed stream layers start at the cylinder alone: 0.01 deep at t = 0.1, the spacing of the stream."""
+    changes = ["discretisation.particles_across=41"]
+    coarse, fine = (
+        scenes.of(load(CONFIGS / "cylinder_in_stream.yaml", [*changes, *more]))
+        for more in ([], ["bodies.0.spacing=0.004"])
+    )
+    assert resolution(coarse, 0.1)[1].startswith("the layer at bodies and walls is 1 spacings thin")
+    assert resolution(fine, 0.1) == (True, None)  # 2.5 spacings
+    assert not resolution(fine, 0.05)[0]  # 1.8 spacings
 
 
 NO_REASON = {"steady_reason": None}

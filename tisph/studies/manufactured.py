@@ -21,7 +21,9 @@ from typing import Any
 import numpy as np
 
 from tisph import scenes
+from tisph.config.loader import loaded
 from tisph.errors import ConfigError, TisphError
+from tisph.geometry.wanted_spacing import GROWTH
 from tisph.measures.metrics import relative_difference
 from tisph.scenes._scene import Scene
 from tisph.snapshot import STRESSES, STRESSES_AROUND, Snapshot
@@ -132,6 +134,12 @@ def config_of(case: str, number: int) -> dict[str, Any]:
     config = merged(*(DATA["configs"][name] for name in ("all", *CASES[case]["config"])), own)
     if case == "rounded":
         config["walls"]["around"]["points"] = _rounded_outline()
+    if "refine" in CASES[case]:
+        spacing = loaded(config, {}).spacing
+        refined = [{**place, "spacing": place["spacing"] * spacing} for place in CASES[case]["refine"]]
+        # in proportion to the spacing: the spacing of every place then falls as the number across grows
+        growth = GROWTH * CASES[case]["across"][0] / number
+        config["discretisation"] |= {"refine": refined, "growth": growth}
     return config
 
 
@@ -160,7 +168,8 @@ def run(case: str, number: int) -> tuple[Result, str]:
         with Simulation(config, **given) as simulation:
             snapshot = simulation.run_until(END).snapshot
             reference = scenes.of(simulation.config) if CASES[case].get("beside_reference") else None
-            sample = {"t_star": END, "step": simulation.steps, **_errors(snapshot, fields, reference)}
+            counts = {"step": simulation.steps, "particles": len(snapshot.x)}
+            sample = {"t_star": END, **counts, **_errors(snapshot, fields, reference)}
     except TisphError as error:
         return Result(Path(), {"status": "failed", "samples": []}), str(error)
     return Result(Path(), {"status": "done", "samples": [sample]}), ""

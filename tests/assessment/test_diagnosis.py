@@ -279,6 +279,14 @@ def test_a_vortex_that_decays_too_fast():
     assert {each.fault.name: each.value for each in result.fits}["time"] == pytest.approx(0.2, rel=1e-3)
 
 
+def test_data_of_a_lattice_are_judged_with_its_spacing_whatever_the_config_refines():
+    vortex = scene_of("taylor_green", "discretisation.refine=[{at: [0.5, 0.5], spacing: 0.01}]")
+    x, y = vortex.lattice()
+    aligned = alignment.align({"x": x, "y": y, "u": 0 * x, "v": 0 * x}, vortex, 1.0)
+    assert vortex.wanted_spacing.smallest == 0.01
+    assert aligned.scene.wanted_spacing.smallest == pytest.approx(vortex.spacing)
+
+
 def test_the_page(tmp_path):
     """A line through mid-gap that is 2 % and later 4 % too flat: walls half a spacing outside, and then a whole one."""
     y = (np.arange(50) + 0.5) / 50

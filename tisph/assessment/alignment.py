@@ -231,6 +231,8 @@ def _even(heights: np.ndarray) -> bool:
 
 
 def _aligned(columns: Columns, notes: tuple[str, ...], scene: Scene, t: float) -> Aligned:
+    if scene.wanted_spacing.varies:  # data count with the one spacing of as many particles
+        scene = replace(scene, spacing_sources=())
     spacing, points = _spacing(columns, scene), len(columns["y"])
     if isinstance(scene, Channel):
         columns, scene = _in_channel(columns, scene, spacing)

@@ -134,9 +134,9 @@ def test_particles_put_in_between_others_have_their_dye():
     x, y, _ = places(20)
     dye, passages = Dye(box(periodic=(False, False)), "stripes"), np.zeros(len(x), dtype=int)
     area = np.ones(len(x))
-    dye.of(SimpleNamespace(x=x, y=y, passages=passages, area=area))
+    dye.of(SimpleNamespace(t=0.0, x=x, y=y, passages=passages, area=area))
     new = passages + (np.arange(len(x)) % 7 == 3)
-    shown = dye.of(SimpleNamespace(x=x, y=y, passages=new, area=area))
+    shown = dye.of(SimpleNamespace(t=0.1, x=x, y=y, passages=new, area=area))
     middle = np.abs(x * 8 / 1.5 % 1.0 - 0.5) < 0.2
     assert np.array_equal(shown[middle], np.floor(x[middle] * 8 / 1.5) % 2)
 
@@ -145,9 +145,9 @@ def test_particles_put_in_between_others_have_their_dye():
 def test_dye_stays_with_its_particles(pattern):
     x, y, _ = places(20)
     dye = Dye(box(), pattern)
-    first = dye.of(SimpleNamespace(x=x, y=y, passages=None))
+    first = dye.of(SimpleNamespace(t=0.0, x=x, y=y, passages=None))
     assert set(np.unique(first)) == {0.0, 1.0}
-    assert np.array_equal(dye.of(SimpleNamespace(x=y, y=x, passages=None)), first)
+    assert np.array_equal(dye.of(SimpleNamespace(t=0.0, x=y, y=x, passages=None)), first)
     share = {"stripes": 0.5, "checkerboard": 0.5, "blob": np.pi * 0.15**2 / 1.5}[pattern]
     assert first.mean() == pytest.approx(share, abs=0.02)
 

@@ -30,7 +30,6 @@ from tisph.snapshot import Snapshot
 
 _STRIPES = 8  # along x
 _SQUARES = 6  # along the shorter side
-_WITHIN = 0.9  # of the largest spacing: particles of less width do not come from an inlet
 _BLOB = 0.25, 0.5, 0.15  # where the middle of a blob is in the box, and its radius over the shorter side
 
 
@@ -38,13 +37,13 @@ class Dye:
     """The ``pattern`` of a movie of ``scene``: stripes across x, a checkerboard, or a round blob.
 
     Fluid that enters through an inlet is in bands across it, or behind a blob in one band: streaklines. Where the
-    spacing varies, particles are also put in between others. They are those without an inlet, or smaller than at it.
+    spacing varies, particles are also put in between others: those that are too far from open ends to come from there.
     """
 
     def __init__(self, scene: Scene, pattern: str):
         self._low, self._size = np.array(scene.origin), np.array(scene.extent, dtype=float)
         self._pattern, self._share = pattern, getattr(self, f"_{pattern}")
-        self._within = _WITHIN * scene.spacing if scene.flows_through else math.inf
+        self._scene, self._time = scene, 0.0
         self._colours: np.ndarray | None = None
         self._passages: np.ndarray | None = None
 
@@ -66,11 +65,18 @@ class Dye:
             if snapshot.area is not None and not entered.all():
                 from scipy.spatial import cKDTree
 
-                between = entered & (np.sqrt(snapshot.area) < self._within)
+                between = entered & ~self._at_ends(np.stack([snapshot.x, snapshot.y], axis=1), snapshot.t)
                 colours[between] = colours[~entered][cKDTree(places[~entered]).query(places[between])[1]]
             self._colours = colours
-        self._passages = snapshot.passages
+        self._passages, self._time = snapshot.passages, snapshot.t
         return self._colours
+
+    def _at_ends(self, places: np.ndarray, t: float) -> np.ndarray:
+        """Return whether fluid at ``places`` (n, 2) may have come through an open end since the last call."""
+        near, scene = np.zeros(len(places), dtype=bool), self._scene
+        for end in (body for body in scene.bodies if not body.solid):
+            near |= end.nearest(places, t).distance < scene.spacing + scene.peak_velocity * (t - self._time)
+        return near
 
     def _stripes(self, places: np.ndarray) -> np.ndarray:
         return np.floor(_STRIPES * places[:, 0] / self._size[0]) % 2

@@ -279,7 +279,7 @@ def test_a_vortex_that_decays_too_fast():
     assert {each.fault.name: each.value for each in result.fits}["time"] == pytest.approx(0.2, rel=1e-3)
 
 
-def test_data_of_a_lattice_are_judged_with_its_spacing_whatever_the_config_refines():
+def test_data_of_a_lattice_are_judged_with_its_spacing():
     vortex = scene_of("taylor_green", "discretisation.refine=[{at: [0.5, 0.5], spacing: 0.01}]")
     x, y = vortex.lattice()
     aligned = alignment.align({"x": x, "y": y, "u": 0 * x, "v": 0 * x}, vortex, 1.0)

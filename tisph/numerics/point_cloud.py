@@ -30,7 +30,7 @@ WALL_FACTOR = 1.3
 
 
 def active(field: Any) -> np.ndarray:
-    """Return the values (..., fluid) of a field of ``PointCloud.field`` at the fluid particles, as a view."""
+    """Return the values (..., points) of a field of ``PointCloud.field`` at the points, as a view."""
     return view(field)[field.used]
 
 
@@ -41,7 +41,7 @@ class PointCloud:
     In a ``PeriodicDomain`` there are no ghosts, and positions must be inside the box. ``particles`` and ``ghosts`` are
     their present numbers; there is space for ``ghost_capacity``. ``capacity``, ``slots`` and the ``sentinel`` after
     them depend only on the size class and may be compiled in, ``fluid`` may not. ``fluid`` and ``particles`` also
-    count points on walls, ``n_fluid`` does not. ``cutoff`` [length]: a number, or the usual and the largest cutoff,
+    count the points ``on_walls``, which follow the particles; ``inside`` and ``n_fluid`` do not. ``cutoff`` [length]: a number, or the usual and the largest cutoff,
     less than twice the usual one; then each point has its own, ``radius``. ``flow``: has ``particles``, ``columns``,
     ``rows``, ``spacing``, and where cutoffs vary ``crowding``, a factor of the largest number of neighbours.
 
@@ -59,13 +59,14 @@ class PointCloud:
         ghost_capacity: int,
         serial: bool,
         mirrors: bool = False,
+        on_walls: int = 0,
     ):
         self.domain = domain
         self.serial = serial
-        self.fluid, self.ghost_capacity = flow.particles, ghost_capacity
-        self.particles, self.ghosts = integer(self.fluid), integer(0)
-        self.n_fluid = self.particles
+        self.fluid, self.inside, self.ghost_capacity = flow.particles, flow.particles - on_walls, ghost_capacity
+        self.particles, self.n_fluid, self.ghosts = integer(self.fluid), integer(self.inside), integer(0)
         self.capacity, self.ghost_slots = size_class(self.fluid), size_class(self.ghost_capacity)
+        self.counted: list[Any] = []
         self.slots = self.sentinel = self.capacity + self.ghost_slots
         self.varying = isinstance(cutoff, tuple)
         usual, largest = cutoff if isinstance(cutoff, tuple) else (cutoff, cutoff)
@@ -101,8 +102,12 @@ class PointCloud:
 
     def field(self, kind: Any, *axes: int) -> Any:
         """Return a field of ``kind`` with a value for each fluid particle along its last axis; see ``active``."""
-        field = ti.field(kind, (*axes, self.capacity))
-        field.used = (*[slice(None)] * len(axes), slice(self.fluid))
+        return self.count(ti.field(kind, (*axes, self.capacity)))
+
+    def count(self, field: Any) -> Any:
+        """Return a ``field`` with a value for each point along its last axis, of which those of the points count."""
+        field.used = (*[slice(None)] * (len(field.shape) - 1), slice(self.fluid))
+        self.counted.append(field)
         return field
 
     @ti.kernel

@@ -174,7 +174,7 @@ class FickianShifting(Shifting):
         ``first``: after scattering them, the same way in every run.
         """
         view(self.strength)[()] = part * self.full
-        fluid = int(view(self.points.n_fluid))
+        fluid = self.points.inside
         view(self.moved)[: self.points.fluid] = 0.0
         if first:
             scattered = np.random.default_rng(0).uniform(-self.scatter, self.scatter, (fluid, 2))

@@ -127,7 +127,7 @@ class StokesSolver:
         from scipy.sparse import csr_matrix, diags
 
         points, operators, self.rows = self.points, self.operators, rows
-        n, fluid = self.n, self.fluid = int(view(points.particles)), int(view(points.n_fluid))
+        n, fluid = self.n, self.fluid = points.fluid, points.inside
         row, listed = points.rows_of(slice(n))
         table = view(points.neighbours)[row]
         listed &= table < n

@@ -69,7 +69,7 @@ class SingularPaths:
         """
         view(self.weights)[...] = weights(np.linspace(0.0, 1.0, N_TIMES)).T
         self.integrate(dt)
-        return view(self.positions)[: int(view(self.points.n_fluid))].astype(float)
+        return view(self.positions)[: self.points.inside].astype(float)
 
     @ti.kernel
     def integrate(self, whole: float):
@@ -272,17 +272,17 @@ class CornerSingularities(Corners):
         """Move the points to the positions of the particles after a step ``dt``, along paths in u = w + U."""
         position = self.paths.find(lambda part: weights.interpolation((1.0 - part) * dt, VELOCITIES), dt)
         position %= [self.problem.length, self.problem.height]
-        view(self.points.position)[: self.problem.n_fluid] = position
+        view(self.points.position)[: self.points.inside] = position
 
     def force(self, dt: float, weights: Any) -> np.ndarray:
         """Return F (points, 2) for a step ``dt``, with w by ``weights`` (2,) of its newest levels."""
         self.paths.find_force(dt, *weights)
-        return view(self.paths.found)[: self.problem.particles]
+        return view(self.paths.found)[: self.points.fluid]
 
     def add_force(self, forcing: Any, weights: TimeWeights, dt: float) -> None:
         """Add -dt F to the ``forcing`` of a step ``dt``."""
         force = self.force(dt, weights.extrapolation(2))
-        view(forcing)[: self.problem.particles] -= dt * force
+        view(forcing)[: self.points.fluid] -= dt * force
 
     def add_start_force(self, acceleration: np.ndarray, slots: slice) -> np.ndarray:
         """Return an ``acceleration`` (count, 2) of the points ``slots`` minus F at the start."""
@@ -307,7 +307,7 @@ class CornerSingularities(Corners):
 
     @property
     def _wall_position(self) -> np.ndarray:
-        return view(self.points.position)[self.problem.n_fluid : self.problem.particles].astype(float)
+        return view(self.points.position)[self.points.inside : self.points.fluid].astype(float)
 
     def find_fastest(self) -> None:
         """Set the fastest velocity of the levels to the largest u = w + U."""

@@ -92,8 +92,6 @@ class Equations:
         self.may_scatter = problem.contact is not None or not problem.inertia
         self.beta_lower = holding(ti.field(real(), VELOCITIES), 0.0)
         self.difference_squared, self.lower_squared = scalar(0.0), scalar(0.0)
-        # with pressures given at both ends b may be 0 where p is not: the size that b has for their gradient counts
-        self.pressure_scale = boundary.pressure_gradient * math.sqrt(problem.n_fluid) / problem.spacing
         self.iterations = [0.0, 0.0]
         self.sources: np.ndarray | None = None
         self.forcing_varies = extra_stress.nonlinear or self.coordinates.axisymmetric
@@ -144,7 +142,9 @@ class Equations:
 
     def solve_pressure(self, tolerance: float, rounding: float = 0.0) -> bool:
         """Solve -L p = b; return whether it was solved. Residuals below ``rounding`` count as zero."""
-        least = max(rounding, tolerance * self.pressure_scale)
+        # with pressures given at both ends b may be 0 where p is not: the size that b has for their gradient counts
+        scale = self.boundary.pressure_gradient * math.sqrt(self.points.inside) / self.spacing
+        least = max(rounding, tolerance * scale)
         solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=least)
         self.iterations[0] += self.pressure.iterations
         return solved
@@ -152,7 +152,7 @@ class Equations:
     def error(self) -> tuple[float, float]:
         """Return the root mean square difference of the new from the extrapolated velocities, and of lower order."""
         self.sum_difference()
-        n_fluid = int(view(self.points.n_fluid))
+        n_fluid = self.points.inside
         difference, lower = (float(view(each)) / n_fluid for each in (self.difference_squared, self.lower_squared))
         return math.sqrt(difference), math.sqrt(lower)
 
@@ -324,7 +324,7 @@ class Coupled(Equations):
 
     def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
         """Solve for everything, to ``residual`` of the allowed error; return whether it was possible."""
-        n, fluid, stokes = int(view(self.points.particles)), int(view(self.points.n_fluid)), self.stokes
+        n, fluid, stokes = self.points.fluid, self.points.inside, self.stokes
         sigma = step.gamma0 / step.dt if self.has_inertia else 0.0
         stokes.set_step(sigma, self.extra_stress.local_viscosities(step.viscosity, n))
         velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)

@@ -72,7 +72,7 @@ class FlowRateControl(Coupling):
         """Begin a step ``dt`` that ends at ``time``: place the sections, and compute the weights of their integrals."""
         from scipy.spatial import cKDTree
 
-        problem, fluid = self.problem, self.problem.n_fluid
+        problem, fluid = self.problem, self.levels.points.inside
         positions, self.dt, self.gamma0 = self.boundary.positions, dt, gamma0
         self.place_sections(positions, time)
         tree = cKDTree(positions, boxsize=(0.0, 0.0))
@@ -121,7 +121,7 @@ class FlowRateControl(Coupling):
         if not len(self.sections):
             return True
         self.measure_acceleration(equations.velocity.x, equations.alpha, self.gamma0, self.dt)
-        n, area = self.problem.particles, self.inlet.area
+        n, area = self.levels.points.fluid, self.inlet.area
         inflow = area * self.inlet.course.velocity(self.ends.level_times)
         slope = (self.gamma0 * inflow[0] - view(equations.alpha)[: len(inflow) - 1] @ inflow[1:]) / self.dt
         slopes, rates = (

@@ -359,7 +359,7 @@ class FreeBodyPart(BoundaryPart):
 
     def __init__(self, boundary: WallBoundary) -> None:
         self.boundary, self.problem, self.points = boundary, boundary.problem, boundary.points
-        self.bodies, self.slots = FreeBodies(self.problem), boundary.slots
+        self.bodies = FreeBodies(self.problem)
         bodies = boundary.walls.bodies
         self.free = [bodies[number] for number in self.bodies.index]
         self.inlets = [end for end in boundary.walls.ends if isinstance(end, Inlet)]
@@ -395,9 +395,9 @@ class FreeBodyPart(BoundaryPart):
 
     def approach(self, distances: np.ndarray) -> None:
         """Set where the pressure is continued, and the particles in narrow gaps, by ``distances`` (points, 2)."""
-        spacing, n_fluid = self.problem.spacing, self.problem.n_fluid
-        nearness = (CONTINUED[0] - distances[self.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
-        view(self.continued)[self.slots] = np.clip(nearness, 0.0, 1.0)
+        spacing, n_fluid = self.problem.spacing, self.points.inside
+        nearness = (CONTINUED[0] - distances[self.boundary.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
+        view(self.continued)[self.boundary.slots] = np.clip(nearness, 0.0, 1.0)
         view(self.narrow)[:n_fluid] = distances[:n_fluid].sum(axis=1) < NARROW * spacing
 
     def accelerate(self, acceleration: float) -> None:
@@ -406,8 +406,8 @@ class FreeBodyPart(BoundaryPart):
 
     def stokes_rows(self, rows: WallRows) -> WallRows:
         """Return the ``rows`` with the parts of equations that hold where gaps close."""
-        narrow = view(self.narrow)[: self.problem.n_fluid] > 0
-        walls = 1.0 - view(self.continued)[self.slots].astype(float)
+        narrow = view(self.narrow)[: self.points.inside] > 0
+        walls = 1.0 - view(self.continued)[self.boundary.slots].astype(float)
         return replace(rows, open_walls=walls, open_fluid=np.where(narrow, 0.0, 1.0))
 
     def compared(self, groups: list[list[int]]) -> list[list[int]]:
@@ -487,7 +487,7 @@ class FreeBodyCoupling(Coupling):
         )
         displaced = np.zeros_like(free.mass)
         displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
-        none, points = np.zeros_like(now), boundary.problem.particles
+        none, points = np.zeros_like(now), boundary.points.fluid
         section, load = csr_matrix((len(now), points)), load + forces @ boundary.known_tractions().ravel()
         return Unknowns(motion, forces, none, displaced.ravel()[moves], inertia, section, load, now, arm, response)
 

@@ -62,7 +62,7 @@ class GeneralisedNewtonianStress(ExtraStress):
         self.axisymmetric, self.lowest_radius = problem.axisymmetric, problem.origin[1]
         self.strain = 6 if self.axisymmetric else 3
         self.numbers = 2 * self.strain + 2
-        self.levels, self.points, self.n_fluid = levels, levels.points, problem.n_fluid
+        self.levels, self.points = levels, levels.points
         self.fields: tuple[Any, ...] = ()
         self.parts: Mapping[str, Any] = {}
         self.viscosity = problem.kinematic_viscosity
@@ -129,9 +129,9 @@ class GeneralisedNewtonianStress(ExtraStress):
         """
         self.begin()
         self.find_added_force(velocity)
-        fluid, radius = slice(self.n_fluid), np.broadcast_to(self.radius, self.points.fluid)[: self.n_fluid]
+        fluid, radius = slice(self.points.inside), np.broadcast_to(self.radius, self.points.fluid)[: self.points.inside]
         speed = view(velocity)[: self.points.fluid].astype(float)
-        speed[:, 0] -= (speed[self.n_fluid :, 0] if self.points.fluid > self.n_fluid else speed[:, 0]).mean()
+        speed[:, 0] -= (speed[self.points.inside :, 0] if self.points.fluid > self.points.inside else speed[:, 0]).mean()
         power = speed[fluid] * view(self.added_force)[fluid]
         power[:, 1:] *= radius[:, None] ** 2
         dissipation = radius @ self.dissipation[fluid]
@@ -143,11 +143,11 @@ class GeneralisedNewtonianStress(ExtraStress):
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the stress at the points on walls in a step in which 2 D is ``strain`` (numbers, count) there."""
-        implicit = view(self.derived)[self.n_fluid : self.points.fluid, self.numbers - 1].astype(float)
+        implicit = view(self.derived)[self.points.inside : self.points.fluid, self.numbers - 1].astype(float)
         return self._at_walls(0) + implicit * (strain - self._at_walls(self.strain))
 
     def _at_walls(self, first: Any) -> np.ndarray:
-        points = slice(self.n_fluid, self.points.fluid)
+        points = slice(self.points.inside, self.points.fluid)
         found = view(self.derived)[points, first : first + self.strain].T.astype(float)
         if not self.axisymmetric:
             return found

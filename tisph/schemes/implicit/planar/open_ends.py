@@ -127,14 +127,18 @@ class OpenEnds(BoundaryPart):
         pressures = [np.full(len(part), body.pressure / problem.density) for body, part in self.outlets]
         self.given_pressure = np.concatenate(pressures)
         self.pressure_gradient = float(np.ptp(self.given_pressure) / np.ptp(problem.open_ends))
-        self.first = problem.n_fluid + self.of_outlet[0]
-        self.outlet = integer(self.first)
+        self.outlet = integer(0)
         self.outflows: list[list[float]] = []
-        self.passages = np.zeros(problem.n_fluid, dtype=int)
+        self.passages = np.zeros(self.points.inside, dtype=int)
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
         self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
         self.due = np.zeros(sum(len(part) for _, part in self.ends))
         self.divergence = self.points.field(real())
+
+    @property
+    def first(self) -> int:
+        """First slot of the points of outlets, which are the last of all."""
+        return self.points.inside + int(self.of_outlet[0])
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
         """Return the control of the flow rate, where an inlet gives that and the flow is not too viscous for it."""
@@ -188,7 +192,8 @@ class OpenEnds(BoundaryPart):
 
         The one-sided derivative itself has next to no part of u where no particle is near, and would not give it.
         """
-        chosen = np.arange(self.first, self.problem.particles)
+        view(self.outlet)[()] = self.first
+        chosen = np.arange(self.first, self.points.fluid)
         entries, listed = self.points.rows_of(chosen)
         table = view(self.points.neighbours)[entries]
         place, spacing = view(self.points.position), self.problem.spacing
@@ -224,7 +229,7 @@ class OpenEnds(BoundaryPart):
     def end_impulse(self, equations: Equations) -> None:
         """Take note of the impulse of the start, whose potential is the present pressure: velocities at the outlet."""
         potential = view(equations.pressure.x).astype(float)[:, None]
-        change = self.slopes(np.arange(self.first, self.problem.particles), potential)[:, :, 0].T
+        change = self.slopes(np.arange(self.first, self.points.fluid), potential)[:, :, 0].T
         self.outlet_velocity = self.boundary.fluid_velocity[self.of_outlet]
         self.outlet_velocity[:, :2] -= change
 
@@ -232,25 +237,25 @@ class OpenEnds(BoundaryPart):
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
         elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
         self.level_times = time - np.append(0.0, elapsed)
-        inlets = view(self.levels.fields)[self.problem.n_fluid : self.problem.particles]
+        inlets = view(self.levels.fields)[self.points.inside : self.points.fluid]
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
-        place, points = self.boundary.positions[: self.problem.n_fluid], self.walls.at(time)[0]
+        place, points = self.boundary.positions[: self.points.inside], self.walls.at(time)[0]
         for number, (_, part) in enumerate(self.outlets):
             enters = bool(self.outflows) and len(self.outlets) > 1 and self.outflows[0][number] < 0.0
-            slots, powers = self.problem.n_fluid + part, PARALLEL if enters else powers_up_to(OUTLET_DEGREE)
+            slots, powers = self.points.inside + part, PARALLEL if enters else powers_up_to(OUTLET_DEGREE)
             self.take_levels(slots, points[part], np.arange(len(place)), place, powers, AROUND[OUTLET_DEGREE])
         self.exchange(dt, time)
         return True
 
     def set_values(self, equations: Equations, gamma0: float, viscosity: float) -> None:
         """Set the pressure at the outlet, and the right-hand side of its velocities, for the present velocity."""
-        chosen, velocity = np.arange(self.first, self.problem.particles), view(equations.velocity.x).astype(float)
+        chosen, velocity = np.arange(self.first, self.points.fluid), view(equations.velocity.x).astype(float)
         change = -self.slopes(chosen, velocity[:, 1:2])[1, :, 0]
         if self.axisymmetric:
             change = self.radii(chosen) ** 2 * change - 2.0 * velocity[chosen, 1]
-        viscosities = self.extra_stress.local_viscosities(viscosity, self.problem.particles)[chosen]
+        viscosities = self.extra_stress.local_viscosities(viscosity, self.points.fluid)[chosen]
         view(equations.pressure.x)[chosen] = viscosities * change + self.outlet_pressure(velocity)
         rows = self.outlet_slope * (viscosities / viscosity if viscosity else 1.0)
         right = np.zeros((len(chosen), self.levels.components))
@@ -311,8 +316,8 @@ class OpenEnds(BoundaryPart):
         if self.problem.carries_stress:
             result = result + self.extra_stress.present_wall_stress()[2, self.of_outlet]
         for outlet, part in self.outlets if self.problem.swirls else ():
-            radius = self.radii(self.problem.n_fluid + part)
-            order, around = np.argsort(radius), velocity[self.problem.n_fluid + part, 2]
+            radius = self.radii(self.points.inside + part)
+            order, around = np.argsort(radius), velocity[self.points.inside + part, 2]
             rising = CubicSpline(radius[order], (around**2 * radius)[order]).antiderivative()
             result = result.copy()
             result[part - self.of_outlet[0]] += rising(radius) - rising(outlet.shape.extent[1, 1])
@@ -371,7 +376,7 @@ class OpenEnds(BoundaryPart):
             own = self.outlet_velocity[part - self.of_outlet[0]]
             speed, width = -(own[:, :2] @ outlet.shape.normal), outlet.shape.length
             along = np.cumsum(self.walls.length[part]) - 0.5 * self.walls.length[part]
-            around = self.problem.circumferences(heights[self.problem.n_fluid + part])
+            around = self.problem.circumferences(heights[self.points.inside + part])
             curve = CubicSpline([0.0, *along, width], [0.0, *(speed * around), 0.0])  # walls beside it are at rest
             flows.append(float(curve.integrate(0.0, width)))
             back = max(back, float((-speed if flows[-1] >= 0.0 or len(self.outlets) == 1 else speed).max()))
@@ -379,7 +384,7 @@ class OpenEnds(BoundaryPart):
 
     def measure_parts(self) -> None:
         """Sum the squares of divergence and gradient in the parts of the channel."""
-        levels, fluid = self.levels, slice(self.problem.n_fluid)
+        levels, fluid = self.levels, slice(self.points.inside)
         part = (
             np.abs(self.boundary.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length
         ).astype(int)
@@ -397,13 +402,13 @@ class OpenEnds(BoundaryPart):
         """Store the outflow, and dv/dx at the inlets."""
         self.measure_outflow()
         values = view(self.levels.fields)[:, 1:2].astype(float)
-        self.v_slope = self.slopes(self.problem.n_fluid + self.of_inlets, values)[0, :, 0]
+        self.v_slope = self.slopes(self.points.inside + self.of_inlets, values)[0, :, 0]
 
     # Particles that leave and enter -----------------------------------------------------------------------------------
 
     def exchange(self, dt: float, time: float) -> None:
         """Let each particle that has left by the end of a step ``dt``, at ``time``, enter."""
-        spacing, fluid = self.problem.spacing, self.problem.n_fluid
+        spacing, fluid = self.problem.spacing, self.points.inside
         place, velocity = self.boundary.positions, self.boundary.newest_velocities[:, :2].astype(float)
         place[self.boundary.slots], normal = self.walls.at(time)
         left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out

@@ -99,7 +99,7 @@ class ExtraStress:
 
 @ti.data_oriented
 class Boundary:
-    """The walls of the fluid, whose points are ``slots`` of all points; here none (periodic box).
+    """The walls of the fluid; here none (periodic box).
 
     ``velocity`` (count, components): velocities of the walls at the points. ``corners``: known flow in corners.
     ``outlet``: field with the first slot of the points of an open end whose pressure is known, None without one.
@@ -110,14 +110,17 @@ class Boundary:
     bounded, pressure_gradient = False, 0.0
     outlet: Any = None
     parts: "Sequence[BoundaryPart]" = ()
-    slots: slice
     velocity: np.ndarray
 
     def __init__(self, problem: Problem, levels: TimeLevels) -> None:
         self.problem, self.levels = problem, levels
-        self.slots = slice(problem.n_fluid, problem.particles)
         self.velocity = np.zeros((0, levels.components))
         self.corners = Corners()
+
+    @property
+    def slots(self) -> slice:
+        """Slots of the points on walls."""
+        return slice(self.levels.points.inside, self.levels.points.fluid)
 
     @ti.func
     def divergence_to_keep(self, i, kept, gamma0):

@@ -18,7 +18,7 @@ from tisph.numerics.domain import PeriodicDomain
 from tisph.numerics.least_squares import AxisymmetricOperators, LeastSquaresOperators
 from tisph.numerics.point_cloud import PointCloud, active
 from tisph.numerics.shifting import TRAVEL, FickianShifting
-from tisph.runtime import integer, real, ti, view
+from tisph.runtime import real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
 from tisph.schemes.implicit.planar.body_exchange import BodyExchange, Particles
@@ -106,7 +106,6 @@ class PlanarScheme(ControlledScheme):
         self.grid: WalledGrid | PeriodicGrid
         if walls:
             self.grid = WalledGrid(self.points, problem, velocities=coupled)
-            self.points.n_fluid = integer(problem.n_fluid)
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
         near_walls: tuple[Any, ...] = (MAX_WALLS, bool(problem.contact), walls.across_axis) if walls else ()
@@ -149,7 +148,7 @@ class PlanarScheme(ControlledScheme):
 
     def place(self, position: np.ndarray, unknowns: np.ndarray, number: np.ndarray) -> None:
         """Place the particles with these newest velocities (particles, components) and numbers (particles,)."""
-        fluid, levels = self.problem.n_fluid, self.levels
+        fluid, levels = self.points.inside, self.levels
         active(levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(levels.fields)[...] = 0.0
         active(levels.fields)[:fluid, : levels.components] = unknowns
@@ -162,7 +161,7 @@ class PlanarScheme(ControlledScheme):
 
         With inertia they determine the flow at the start.
         """
-        fluid, levels, residual = self.problem.n_fluid, self.levels, self.equations.residuals[0]
+        fluid, levels, residual = self.points.inside, self.levels, self.equations.residuals[0]
         unknowns = active(levels.fields)[:fluid, : levels.components].copy()
         self.assemble(self.time)
         solved = self.boundary.apply_impulse(self.equations, residual)
@@ -225,8 +224,8 @@ class PlanarScheme(ControlledScheme):
     def exchange_bodies(self) -> None:
         """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""
         problem, levels, state = self.problem, self.levels, self.boundary.host_state()
-        fluid, slots = slice(problem.n_fluid), self.boundary.slots
-        unknowns = active(levels.fields)[: problem.particles, : levels.components]
+        fluid, slots = slice(self.points.inside), self.boundary.slots
+        unknowns = active(levels.fields)[:, : levels.components]
         fields = [unknowns.astype(float), *(active(field).astype(float) for field in self.extra_stress.fields)]
         number, place = active(levels.number)[fluid].copy(), active(levels.position)[fluid] + np.array(problem.origin)
         particles = Particles(place, [field[fluid] for field in fields], number, np.array(state["passages"]))
@@ -332,7 +331,7 @@ class PlanarScheme(ControlledScheme):
     def add_body_force(self, dt: float, time: float) -> None:
         """Add the body forces to the forcing of a step, and a uniform one to the guess of the very first step."""
         if not self.dts:  # a flow that is carried along as a whole is exact from the first guess on
-            fluid = slice(self.problem.n_fluid)
+            fluid = slice(self.points.inside)
             view(self.equations.velocity.x)[fluid, :2] += dt * np.array(self.problem.acceleration)
         if self.problem.body_force:
             force = self.body_force(time)
@@ -340,7 +339,7 @@ class PlanarScheme(ControlledScheme):
 
     def body_force(self, time: float) -> np.ndarray:
         """Return the given body force (points, components) at ``time`` at the points, as unknowns."""
-        x, y = self.problem.places(view(self.points.position)[: int(view(self.points.particles))].astype(float))
+        x, y = self.problem.places(view(self.points.position)[: self.points.fluid].astype(float))
         assert self.problem.body_force is not None
         return self.problem.unknowns_given(self.problem.body_force, x, y, time)
 
@@ -395,7 +394,7 @@ class PlanarScheme(ControlledScheme):
         offset, first, components = self.time - time, levels.first_pressure, levels.components
         case = self.time, offset == 0.0
         if self.output_cache is None or self.output_cache[0] != case:
-            fluid, fields = problem.n_fluid, active(levels.fields)
+            fluid, fields = self.points.inside, active(levels.fields)
             created = np.argsort(active(levels.number)[:fluid])
             parts = (fields[:, :first], fields[:, first:]) if offset else (fields[:, :components], fields[:, first])
             stored = [*parts, *(active(field) for field in (levels.position, *self.extra_stress.fields))]
@@ -464,7 +463,7 @@ class PlanarScheme(ControlledScheme):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         couplings = [coupling.host_state() for coupling in self.couplings]
-        walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.problem.n_fluid}
+        walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.points.inside}
         return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies}
 
     def make_room(self, state: Mapping[str, Any]) -> None:
@@ -520,7 +519,8 @@ def points_of(problem: Problem, serial: bool) -> PointCloud:
     cutoff: float | tuple[float, float] = reach
     if problem.walls is not None:
         cutoff = reach, reach + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
-    return PointCloud(problem, PeriodicDomain(problem.length, problem.height), cutoff, 0, serial)
+    domain, on_walls = PeriodicDomain(problem.length, problem.height), problem.particles - problem.n_fluid
+    return PointCloud(problem, domain, cutoff, 0, serial, on_walls=on_walls)
 
 
 def operators_of(problem: Problem, points: PointCloud) -> LeastSquaresOperators:

@@ -52,12 +52,16 @@ class SlippingWalls(BoundaryPart):
         self.walls: Any = boundary.walls
         self.chosen = np.flatnonzero(self.walls.slip_length)
         self.stiffness = 1.0 / self.walls.slip_length[self.chosen]
-        self.slots = self.problem.n_fluid + self.chosen
         self.components = boundary.levels.components
         self.velocity_there = np.zeros((len(self.chosen), self.components))
         self.time = self.problem.start_time
         self.speeds = np.zeros((VELOCITIES, len(self.chosen)))
         self.before: Any = None
+
+    @property
+    def slots(self) -> np.ndarray:
+        """Slots (m,) of the points."""
+        return self.boundary.points.inside + self.chosen
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
         """Return the coupling of the slip with the fluid."""
@@ -134,7 +138,7 @@ class SlippingWalls(BoundaryPart):
     def end_impulse(self, equations: "Equations") -> None:
         """Compute the velocities after the impulse of the start, whose potential is the present pressure."""
         solver: Any = equations  # Coupled
-        potential = view(equations.pressure.x)[: self.problem.particles].astype(float)
+        potential = view(equations.pressure.x)[: self.boundary.points.fluid].astype(float)
         self.velocity_there = self.boundary.fluid_velocity[self.chosen]
         for component, matrix in enumerate((solver.stokes.wall_x, solver.stokes.wall_y)):
             self.velocity_there[:, component] -= (matrix @ potential)[self.chosen]
@@ -213,7 +217,7 @@ class SlipCoupling(Coupling):
         motion = csr_matrix((per_speed.ravel(), (rows, columns)), shape)
         forces = csr_matrix(((part.tangents * scale[:, None]).ravel(), (columns, rows)), shape[::-1])
         viscosity = problem.solvent_viscosity + boundary.extra_stress.viscosity
-        local = boundary.extra_stress.local_viscosities(viscosity, problem.particles)[part.slots]
+        local = boundary.extra_stress.local_viscosities(viscosity, boundary.points.fluid)[part.slots]
         slope = view(boundary.operators.diagonal)[part.slots] / view(boundary.weight)[part.slots]
         inertia = part.stiffness / total
         response = inertia + scale * local * np.abs(slope)
@@ -224,10 +228,10 @@ class SlipCoupling(Coupling):
             none,
             none,
             np.tile(inertia, tangents),
-            csr_matrix((tangents * count, problem.particles)),
+            csr_matrix((tangents * count, boundary.points.fluid)),
             forces @ boundary.known_tractions().ravel(),
             part.slip().ravel(),
-            np.full(tangents * count, 1.0 / np.sqrt(problem.n_fluid)),
+            np.full(tangents * count, 1.0 / np.sqrt(boundary.points.inside)),
             np.tile(response, tangents),
         )
 

@@ -338,8 +338,7 @@ class TimeLevels:
         self.first_pressure = self.components * VELOCITIES
         kind = ti.types.vector(self.first_pressure + PRESSURES, real())
         self.position = self.points.field(ti.types.vector(2, real()))
-        self.fields = ti.field(kind, self.points.slots + 1)
-        self.fields.used = slice(self.points.fluid)
+        self.fields = self.points.count(ti.field(kind, self.points.slots + 1))
         self.divergence = self.points.field(real())
         self.number = self.points.field(ti.i32)
         self.d_dx, self.d_dy = (ti.field(kind, self.points.slots + 1) for _ in range(2))
@@ -474,7 +473,7 @@ class TimeLevels:
 
     def reorder(self, others: Any) -> None:
         """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
-        fluid, order = int(view(self.points.n_fluid)), view(self.points.order)[: self.points.fluid]
+        fluid, order = self.points.inside, view(self.points.order)[: self.points.fluid]
         order = order[order < fluid]
         for field in (self.position, self.fields, self.divergence, self.number, *others):
             active(field)[:fluid] = active(field)[order]
@@ -482,9 +481,9 @@ class TimeLevels:
     @property
     def divergence_scale(self) -> float:
         """Root mean square of the divergence of the newest velocities."""
-        return math.sqrt(float(view(self.divergence_squared)) / int(view(self.points.n_fluid)))
+        return math.sqrt(float(view(self.divergence_squared)) / self.points.inside)
 
     def residual(self, least: float) -> float:
         """Divergence over the gradient of the newest velocities, or over the ``least`` one, as root mean squares."""
-        gradient = math.sqrt(float(view(self.gradient_squared)) / int(view(self.points.n_fluid)))
+        gradient = math.sqrt(float(view(self.gradient_squared)) / self.points.inside)
         return self.divergence_scale / max(gradient, least)

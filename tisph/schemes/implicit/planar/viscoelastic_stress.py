@@ -92,7 +92,7 @@ class ViscoelasticStress(ExtraStress):
 
     def __init__(self, levels: TimeLevels, problem: Problem) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
-        self.walls, self.n_fluid = problem.walls, problem.n_fluid
+        self.walls = problem.walls
         self.origin, self.spacing = problem.origin, problem.spacing
         self.initial_conformation_excess = problem.initial_conformation_excess
         self.source, self.places = problem.conformation_source, problem.places
@@ -107,7 +107,7 @@ class ViscoelasticStress(ExtraStress):
         self.size = self.modes.components
         self.tensors, self.d_dx, self.d_dy = self._three(ORDER * self.size)
         self.current, self.current_d_dx, self.current_d_dy = self._three(self.size)
-        self.tensors.used = slice(self.points.fluid)
+        self.points.count(self.tensors)
         self.d_dx.used = self.d_dy.used = None
         self.gradient = ti.field(ti.types.vector(kind.gradient, real()), self.points.capacity)
         self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
@@ -131,7 +131,7 @@ class ViscoelasticStress(ExtraStress):
             return 1.0
         ratio, moving = np.ones(self.points.fluid), np.ones(self.points.fluid, dtype=bool)
         if self.walls:
-            moving[self.n_fluid :] = self.walls.slip_length > 0.0
+            moving[self.points.inside :] = self.walls.slip_length > 0.0
         ratio[moving] = (view(self.levels.position)[: len(ratio), 1][moving] + self.origin[1]) / self.radius[moving]
         return ratio
 
@@ -209,7 +209,7 @@ class ViscoelasticStress(ExtraStress):
         states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
         elapsed = (weights.unit * weights.offsets)[:ORDER]
         if self.walls:
-            states[..., self.n_fluid :] = self.walls.carried(states[..., self.n_fluid :], elapsed, self.time)
+            states[..., self.points.inside :] = self.walls.carried(states[..., self.points.inside :], elapsed, self.time)
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
         self.state = np.einsum("a,acn->cn", weights.extrapolation(ORDER), states)
         self.jacobians = [None for _ in self.modes.laws]
@@ -240,7 +240,7 @@ class ViscoelasticStress(ExtraStress):
         else:
             gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
-            self.take_known(self.walls, gradient[:, self.n_fluid :], self.slip(self.walls, velocity))
+            self.take_known(self.walls, gradient[:, self.points.inside :], self.slip(self.walls, velocity))
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
@@ -262,7 +262,7 @@ class ViscoelasticStress(ExtraStress):
         """
         if not walls.slip_length.any():
             return None
-        points = slice(self.n_fluid, self.points.fluid)
+        points = slice(self.points.inside, self.points.fluid)
         relative = view(velocity)[points].astype(float) - walls.velocities(self.time)
         relative[:, 1] *= self.radius[points] if self.axisymmetric else 1.0
         return np.where(walls.slip_length > 0.0, relative[:, :2].T, 0.0)
@@ -315,12 +315,12 @@ class ViscoelasticStress(ExtraStress):
 
     def wall_stress(self) -> np.ndarray:
         """Return the stress (numbers of tractions, count) at the points on walls."""
-        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.n_fluid :]
+        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.points.inside :]
         return self.traction_rows(self.modes.stress(state, self.stress_numbers))
 
     def present_wall_stress(self) -> np.ndarray:
         """Return the same for the newest iterate of a step."""
-        return self.traction_rows(self.modes.stress(self.state[:, self.n_fluid :], self.stress_numbers))
+        return self.traction_rows(self.modes.stress(self.state[:, self.points.inside :], self.stress_numbers))
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the same in a step in which 2 D is ``strain`` there.
@@ -328,7 +328,7 @@ class ViscoelasticStress(ExtraStress):
         As the momentum equation has it: S, with the change of the strain since then times nu*.
         """
         implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
-        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.n_fluid :])
+        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.points.inside :])
         return stress + self.viscosity * strain
 
     def traction_rows(self, stress: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ from tisph.measures.resolution import CUBIC_NEIGHBOURS, scatter_in_time
 from tisph.numerics import SKIN
 from tisph.numerics.point_cloud import active
 from tisph.numerics.stokes import WallRows
-from tisph.runtime import holding, real, ti, view
+from tisph.runtime import real, ti, view
 from tisph.schemes.implicit.planar.corner_singularities import Corners, CornerSingularities
 from tisph.schemes.implicit.planar.equations import Equations
 from tisph.schemes.implicit.planar.parts import Boundary, BoundaryPart, ExtraStress
@@ -74,10 +74,14 @@ class WallLoads:
     def __init__(self, problem: Problem, levels: TimeLevels, corners: Corners) -> None:
         assert problem.walls is not None
         self.problem, self.walls, self.levels, self.corners = problem, problem.walls, levels, corners
-        self.slots = slice(problem.n_fluid, problem.particles)
         self.loads: list[np.ndarray] = []
         self.times: list[np.ndarray] = []
         self.normal_stresses: list[np.ndarray] = []
+
+    @property
+    def slots(self) -> slice:
+        """Slots of the points."""
+        return slice(self.levels.points.inside, self.levels.points.fluid)
 
     def measure(self, time: float, normal: np.ndarray, velocity: np.ndarray, extra: Any) -> None:
         """Store the loads at ``time``, of the newest fields.
@@ -179,11 +183,10 @@ class WallBoundary(Boundary):
         self.normal_curls: list[np.ndarray] = []
         self.normals, self.velocity = np.empty((0, 2)), np.empty((0, 2))
         self.grid_time: float | None = None
-        capacity, weight = self.points.capacity, np.zeros(self.points.capacity)
+        capacity = self.points.capacity
         self.normal = ti.field(ti.types.vector(2, real()), capacity)
         self.normal_curl, self.vorticity = (ti.field(real(), size) for size in (capacity, self.points.slots + 1))
-        weight[self.slots] = self.walls.length / problem.spacing**2
-        self.weight = holding(ti.field(real(), capacity), weight)
+        self.weight = ti.field(real(), capacity)
         self.grid_places: list[Any] = []
 
     def add(self, part: BoundaryPart) -> None:
@@ -229,19 +232,19 @@ class WallBoundary(Boundary):
 
     def move(self, time: float) -> None:
         """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
-        positions, spacing, n_fluid = view(self.points.position), self.problem.spacing, self.problem.n_fluid
+        positions, spacing, n_fluid = view(self.points.position), self.problem.spacing, self.points.inside
         position, self.normals = self.walls.at(time)
         self.update_velocity(time)
         positions[self.slots] = position % [self.problem.length, self.problem.height]
-        positions = positions[: self.problem.particles]
+        positions = positions[: self.points.fluid]
         planes, distances, curvatures = self.walls.nearest_walls(positions, time)
         if self.operators.curved:
             polar = self.walls.polar_map(positions, planes, distances, curvatures)
-            view(self.operators.polar_map)[: self.problem.particles] = polar
+            view(self.operators.polar_map)[: self.points.fluid] = polar
         view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
         factor = self.support_factors(positions, distances)
-        view(self.operators.support_factor)[: self.problem.particles] = factor
-        view(self.points.radius)[: self.problem.particles] = self.support * factor * spacing + SKIN * spacing
+        view(self.operators.support_factor)[: self.points.fluid] = factor
+        view(self.points.radius)[: self.points.fluid] = self.support * factor * spacing + SKIN * spacing
         for part in self.parts:
             part.approach(distances)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
@@ -274,6 +277,7 @@ class WallBoundary(Boundary):
     def set_rows(self) -> None:
         """Replace the Laplacian at the points by the normal derivative, but for rows that parts have."""
         view(self.normal)[self.slots] = self.normals
+        view(self.weight)[self.slots] = self.walls.length / self.problem.spacing**2
         self.set_neumann_rows()
         for part in self.parts:
             part.set_rows()
@@ -281,7 +285,7 @@ class WallBoundary(Boundary):
     @property
     def positions(self) -> np.ndarray:
         """Positions of particles and points (points, 2)."""
-        return view(self.points.position)[: self.problem.particles].astype(float)
+        return view(self.points.position)[: self.points.fluid].astype(float)
 
     @property
     def carried_fields(self) -> tuple[Any, ...]:
@@ -338,7 +342,7 @@ class WallBoundary(Boundary):
         newest = self.newest_velocities
         newest[self.slots] = self.velocity
         self.corners.remove_from(newest, self.positions)
-        view(equations.velocity.x)[: self.problem.particles] = newest
+        view(equations.velocity.x)[: self.points.fluid] = newest
         self.set_accelerations(equations)
         self.update_normal_curls(equations.velocity.x)
         self.store_normal_curls()
@@ -406,7 +410,7 @@ class WallBoundary(Boundary):
 
     def stokes_rows(self) -> WallRows:
         """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
-        weight, fluid = view(self.weight)[self.slots].astype(float), np.ones(self.problem.n_fluid)
+        weight, fluid = view(self.weight)[self.slots].astype(float), np.ones(self.points.inside)
         rows = WallRows(self.normals, weight, np.ones(len(weight)), fluid, self.walls.strain)
         for part in self.parts:
             rows = part.stokes_rows(rows)

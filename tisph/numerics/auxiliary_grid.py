@@ -48,6 +48,9 @@ class AuxiliaryGrid:
         """Return a field of this ``kind`` for each node."""
         return ti.field(kind, self.begin.shape)
 
+    def forget(self) -> None:
+        """Take note that points have other numbers."""
+
     def invert(self, field: Any, sigma: float, coefficient: float) -> None:
         """Replace the values f at the nodes, in ``field``, by (``sigma`` - ``coefficient`` Laplacian)^-1 f."""
         raise NotImplementedError

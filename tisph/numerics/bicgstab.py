@@ -39,6 +39,8 @@ class BiCGStab:
 
     ``outlet``: field with the first of the last points, at an open end. These are unknowns as well, with the rows
     -sigma * ``outlet_area`` * A, in which A is a normal derivative. The points between the fluid and them are not.
+
+    Rows of the pressure, a single number, are weighted by the areas of particles where the spacing varies.
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class BiCGStab:
     ):
         self.operators, self.ghosts, self.points, self.hoop = operators, ghosts, operators.points, hoop
         self.is_scalar, self.pure_neumann, self.has_ghosts = width is None, pure_neumann, ghosts is not None
+        self.weighted = self.is_scalar and operators.points.graded
         self.number = number or (self.points.particles if pure_neumann else self.points.n_fluid)
         self.outlet, self.outlet_area, self.has_outlet = outlet, scalar(outlet_area), outlet is not None
         self.serial = operators.serial_light
@@ -120,6 +123,14 @@ class BiCGStab:
         result = self.sigma[None] * values[i] - self.coefficient[None] * laplacian
         if ti.static(self.has_outlet):
             result = ti.select(i < self.points.n_fluid[None], result, -self.outlet_part(i) * derivative)
+        return self.weight(i) * result
+
+    @ti.func
+    def weight(self, i):
+        """Return the weight of a row: the area of a particle where these differ, so that the rows add up to 0."""
+        result = 1.0
+        if ti.static(self.weighted):
+            result = ti.select(i < self.points.n_fluid[None], self.points.relative(i) ** 2, 1.0)
         return result
 
     @ti.func
@@ -135,7 +146,7 @@ class BiCGStab:
             part = self.outlet_part(i)
             own = ti.select(part > 0.0, -part * self.operators.diagonal[i], 1.0)
             result = ti.select(i < self.points.n_fluid[None], result, own)
-        return result
+        return self.weight(i) * result
 
     @ti.func
     def dot(self, left, right):
@@ -188,10 +199,11 @@ class BiCGStab:
                 part, total = ti.Vector([0.0, 0.0, 0.0]), 0.0 * self.b[0]
                 for i in range(block * BLOCK, self.end(block, particles)):
                     self.inverse[i] = 1.0 / self.diagonal(i)
-                    residual = self.b[i] - self.row(self.x, i)
+                    right = self.weight(i) * self.b[i]
+                    residual = right - self.row(self.x, i)
                     self.residual[i] = residual
                     total += residual
-                    part += ti.Vector([self.dot(self.b[i], self.b[i]), self.dot(residual, residual), 0.0])
+                    part += ti.Vector([self.dot(right, right), self.dot(residual, residual), 0.0])
                 self.parts[block] = part
                 self.totals[block] = total
         ti.loop_config(serialize=True)

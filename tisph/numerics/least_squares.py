@@ -220,7 +220,7 @@ class LeastSquaresOperators:
             nearness = ti.max(0.0, 1.0 - apart.dot(apart))
             inside = ti.cast(nearness > 0.0, self.laplacian.dtype)  # powers of a sentinel's vector would overflow
             squared = nearness * nearness
-            self.laplacian[k] = squared * squared
+            self.laplacian[k] = squared * squared * self.area_ratio(i, self.points.neighbours[k])
             self.d_dx[k] = apart.x * inside
             self.d_dy[k] = apart.y * inside
         straight = True
@@ -234,6 +234,15 @@ class LeastSquaresOperators:
                     self.d_dy[k] = apart.y
         if ti.static(self.axisymmetric):
             self.set_radial(i, 1.0 / scale, straight)
+
+    @ti.func
+    def area_ratio(self, i, j):
+        """Return the area of point ``j`` over that of particle ``i``, 1 with one spacing."""
+        result = 1.0
+        if ti.static(self.points.graded):
+            if j != self.points.sentinel:
+                result = (self.points.relative(j) / self.points.relative(i)) ** 2
+        return result
 
     @ti.func
     def sum_moments(self, i):
@@ -453,7 +462,8 @@ class AxisymmetricOperators(LeastSquaresOperators):
         self.radial[block, 2][lane] = c * support / self.support[None]  # it is divided by the support twice later on
         self.radial[block, 3][lane] = 0.0
         if ti.static(not self.annular):
-            reach = ti.select(support > 1.001 * self.support[None], NEAR_WALLS, 1.0) * support
+            usual = self.support[None] * self.points.relative(i)
+            reach = ti.select(support > 1.001 * usual, NEAR_WALLS, 1.0) * support
             self.radial[block, 3][lane] = ti.cast(radius < reach, self.laplacian.dtype)
 
     @ti.func

@@ -12,7 +12,7 @@ import numpy as np
 
 from tisph.numerics.counting_sort import counting_sort, slot_of
 from tisph.numerics.domain import ChannelDomain, PeriodicDomain
-from tisph.runtime import CHUNK, integer, real, scalar, threads, ti, view
+from tisph.runtime import CHUNK, holding, integer, real, scalar, threads, ti, view
 from tisph.size_class import size_class
 
 LANES = 4
@@ -24,6 +24,12 @@ CAPACITY_FACTOR = 1.6
 CELLS_WITHIN = 3
 """Cells within the cutoff along an axis. With 1 the search took up to 1.5 times as long, since three of four candidates
 were beyond the cutoff."""
+
+ROOM = 1.3
+"""Particles that there is room for, over those at the start, where the spacing varies."""
+
+GRADED_FACTOR = 1.3
+"""Mean number of neighbours where the spacing varies, over the mean elsewhere: supports are wider there."""
 
 WALL_FACTOR = 1.3
 """Mean number of neighbours near walls, where some cutoffs are larger, over the mean elsewhere."""
@@ -42,7 +48,8 @@ class PointCloud:
     their present numbers; there is space for ``ghost_capacity``. ``capacity``, ``slots`` and the ``sentinel`` after
     them depend only on the size class and may be compiled in, ``fluid`` may not. ``fluid`` and ``particles`` also
     count the points ``on_walls``, which follow the particles; ``inside`` and ``n_fluid`` do not. ``cutoff`` [length]: a number, or the usual and the largest cutoff,
-    less than twice the usual one; then each point has its own, ``radius``. ``flow``: has ``particles``, ``columns``,
+    less than twice the usual one; then each point has its own, ``radius``. ``finest``: smallest spacing over the
+    largest; below 1 each point has its own, ``relative_spacing``, and there is room for more particles. ``flow``: has ``particles``, ``columns``,
     ``rows``, ``spacing``, and where cutoffs vary ``crowding``, a factor of the largest number of neighbours.
 
     Neighbours of particle i within the cutoff are ``neighbours[k]``, ``begin[i]`` <= k < ``end[i]``, a row; fields
@@ -60,12 +67,15 @@ class PointCloud:
         serial: bool,
         mirrors: bool = False,
         on_walls: int = 0,
+        finest: float = 1.0,
     ):
         self.domain = domain
         self.serial = serial
         self.fluid, self.inside, self.ghost_capacity = flow.particles, flow.particles - on_walls, ghost_capacity
         self.particles, self.n_fluid, self.ghosts = integer(self.fluid), integer(self.inside), integer(0)
-        self.capacity, self.ghost_slots = size_class(self.fluid), size_class(self.ghost_capacity)
+        self.graded = finest < 1.0
+        room = ROOM if self.graded else 1.0
+        self.capacity, self.ghost_slots = size_class(room * self.fluid), size_class(self.ghost_capacity)
         self.counted: list[Any] = []
         self.slots = self.sentinel = self.capacity + self.ghost_slots
         self.varying = isinstance(cutoff, tuple)
@@ -73,8 +83,10 @@ class PointCloud:
         self.cutoff_squared = scalar(usual**2)
         if self.varying:
             self.radius = ti.field(real(), shape=self.capacity)
+        if self.graded:
+            self.relative_spacing = holding(ti.field(real(), shape=self.capacity), 1.0)
         # counted in spacings: length and height are whole numbers of spacings, and no cell is lost to round-off
-        side = usual / CELLS_WITHIN
+        side = finest * usual / CELLS_WITHIN
         columns = int(flow.columns * flow.spacing / side * (1 + 1e-12))
         rows = max(1, int(flow.rows * flow.spacing / side * (1 + 1e-12)))
         least = 2 * math.ceil(largest / side) + 1
@@ -84,6 +96,7 @@ class PointCloud:
         self.side = scalar(side)
         self.columns, self.rows = integer(columns), integer(rows)
         mean = math.pi * (usual / flow.spacing) ** 2 * (WALL_FACTOR * flow.crowding if self.varying else 1.0)
+        mean *= GRADED_FACTOR if self.graded else 1.0
         self.row_capacity = math.ceil((CAPACITY_FACTOR * mean + LANES) / LANES) * LANES
         self.position = ti.field(ti.types.vector(2, real()), shape=self.slots + 1)
         self.mirrors = mirrors
@@ -99,6 +112,36 @@ class PointCloud:
         self.cell = ti.field(ti.i32, shape=self.slots)
         self.order = ti.field(ti.i32, shape=self.slots)
         self.far = scalar(1e3 * flow.spacing * (flow.rows + flow.columns))
+
+    def set_spacing(self, relative: np.ndarray) -> None:
+        """Set the ``relative`` spacing (points,) of each point, over the largest one."""
+        view(self.relative_spacing)[: self.fluid] = relative
+
+    @property
+    def areas(self) -> Any:
+        """Areas (inside,) of the particles over that of one of the largest spacing."""
+        return np.square(view(self.relative_spacing)[: self.inside].astype(float)) if self.graded else 1.0
+
+    @property
+    def area(self) -> float:
+        """Sum of these areas."""
+        return float(self.areas.sum()) if self.graded else self.inside
+
+    def resize(self, inside: int) -> None:
+        """Let there be ``inside`` particles, with the points on walls after them."""
+        self.fluid += inside - self.inside
+        self.inside = inside
+        view(self.particles)[()], view(self.n_fluid)[()] = self.fluid, inside
+        for field in self.counted:
+            field.used = (*field.used[:-1], slice(self.fluid))
+
+    @ti.func
+    def relative(self, i):
+        """Return the spacing at a point over the largest one."""
+        result = 1.0
+        if ti.static(self.graded):
+            result *= self.relative_spacing[i]
+        return result
 
     def field(self, kind: Any, *axes: int) -> Any:
         """Return a field of ``kind`` with a value for each fluid particle along its last axis; see ``active``."""

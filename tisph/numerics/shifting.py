@@ -89,7 +89,8 @@ class Shifting:
         for i in range(particles):
             displacement = self.displacement(i)
             size = ti.sqrt(displacement.dot(displacement)) / self.unit[None]
-            self.move[i] = displacement * ti.min(1.0, self.largest[None] / ti.max(size, self.largest[None]))
+            largest = self.largest[None] * self.points.relative(i)
+            self.move[i] = displacement * ti.min(1.0, largest / ti.max(size, largest))
             if ti.static(self.ends):
                 ti.atomic_max(self.farthest[None], size)
         ti.loop_config(serialize=self.points.serial)
@@ -166,18 +167,21 @@ class FickianShifting(Shifting):
         self.per_support = scalar(1.0 / (SUPPORT * spacing))
         # slope of the kernel over the distance in supports: 7/pi (1 - q)^4 (1 + 4 q) has -140/pi (1 - q)^3
         self.full = RATE * spacing**2 * 140.0 / math.pi / (SUPPORT * spacing) ** 3 * spacing**2
-        self.strength = scalar(self.full)
+        self.strength, self.full_rate = scalar(self.full), scalar(self.full)
 
-    def shift(self, first: Any, part: float) -> None:
-        """Move all particles to a more even arrangement, at the fraction ``part`` of ``RATE``.
+    def shift(self, first: Any, travelled: float) -> None:
+        """Move all particles to a more even arrangement.
 
-        ``first``: after scattering them, the same way in every run.
+        ``travelled``: the way of the fastest one in the step, in the largest spacing; below ``TRAVEL`` of its spacing a
+        particle is moved at that part of ``RATE``. ``first``: after scattering them, the same way in every run.
         """
-        view(self.strength)[()] = part * self.full
+        part = travelled / TRAVEL
+        view(self.strength)[()] = self.full * (part if self.points.graded else min(1.0, part))
         fluid = self.points.inside
         view(self.moved)[: self.points.fluid] = 0.0
         if first:
             scattered = np.random.default_rng(0).uniform(-self.scatter, self.scatter, (fluid, 2))
+            scattered *= np.reshape(self.points.areas, (-1, 1)) ** 0.5
             view(self.moved)[:fluid] = scattered
             view(self.points.position)[:fluid] += scattered
         self.list_neighbours()
@@ -187,10 +191,10 @@ class FickianShifting(Shifting):
     @ti.kernel
     def list_neighbours(self):
         """List the fluid particles that may come within the support, without a branch: six in ten of all neighbours."""
-        particles, limit = self.points.n_fluid[None], self.cutoff[None] ** 2
+        particles = self.points.n_fluid[None]
         ti.loop_config(serialize=self.points.serial)
         for i in range(particles):
-            last = self.points.begin[i]
+            last, limit = self.points.begin[i], (self.cutoff[None] * self.points.relative(i)) ** 2
             for k in range(self.points.begin[i], self.points.end[i]):
                 j = self.points.neighbours[k]
                 apart = self.points.separation(i, j)
@@ -206,8 +210,9 @@ class FickianShifting(Shifting):
             displacement = self.displacement_near_walls(i)
         else:
             for k in range(self.points.begin[i], self.last[i]):
-                displacement += self.displacement_by(self.points.separation(i, self.listed[k]))
-        displacement *= self.strength[None]
+                j = self.listed[k]
+                displacement += self.displacement_by(self.points.separation(i, j), self.mean(i, j))
+        displacement *= self.rate(i)
         if ti.static(self.off_walls):
             displacement += self.displacement_off_walls(i)
         for end in ti.static(range(self.open)):
@@ -219,9 +224,23 @@ class FickianShifting(Shifting):
         return displacement
 
     @ti.func
-    def displacement_by(self, apart):
-        """Return the displacement, over the strength, by a particle at the vector ``apart``."""
-        scaled = self.per_support[None] * apart
+    def rate(self, i):
+        """Return the displacement of particle ``i`` by a unit of ``displacement_by``."""
+        result = self.strength[None]
+        if ti.static(self.points.graded):
+            relative = self.points.relative(i)
+            result = ti.min(self.full_rate[None], result / relative) * relative
+        return result
+
+    @ti.func
+    def mean(self, i, j):
+        """Return the mean of the relative spacings of two particles."""
+        return 0.5 * (self.points.relative(i) + self.points.relative(j))
+
+    @ti.func
+    def displacement_by(self, apart, relative):
+        """Return the displacement, over the strength, by a particle at the vector ``apart``, for a mean spacing."""
+        scaled = self.per_support[None] / relative * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
         return -nearness * nearness * nearness * scaled
 
@@ -230,13 +249,13 @@ class FickianShifting(Shifting):
         """Return the displacement by the neighbours of particle ``i``, of their images and of its own."""
         near = False
         for wall in ti.static(range(self.walls)):
-            near = near or self.distance(i, wall) < self.near[None]
+            near = near or self.distance(i, wall) < self.near[None] * self.points.relative(i)
         displacement = ti.Vector([0.0, 0.0])
         if near:
             displacement += self.displacement_by_images(i, i)
         for k in range(self.points.begin[i], self.last[i]):
             j = self.listed[k]
-            displacement += self.displacement_by(self.points.separation(i, j))
+            displacement += self.displacement_by(self.points.separation(i, j), self.mean(i, j))
             if near:
                 displacement += self.displacement_by_images(i, j)
         return displacement
@@ -247,7 +266,8 @@ class FickianShifting(Shifting):
         displacement = ti.Vector([0.0, 0.0])
         for wall in ti.static(range(self.walls)):
             plane = self.planes[i, wall]
-            displacement += ti.max(0.0, self.closest[None] - self.distance(i, wall)) * ti.Vector([plane.x, plane.y])
+            closest = self.closest[None] * self.points.relative(i)
+            displacement += ti.max(0.0, closest - self.distance(i, wall)) * ti.Vector([plane.x, plane.y])
         return displacement
 
     @ti.func
@@ -260,16 +280,16 @@ class FickianShifting(Shifting):
     def displacement_by_images(self, i, j):
         """Return the displacement of particle ``i`` by the images of particle ``j``: in each wall, and in both."""
         apart, displacement, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
-        corner = apart
+        corner, relative = apart, self.mean(i, j)
         for wall in ti.static(range(self.walls)):
             plane, away = self.planes[j, wall], self.distance(j, wall)
-            near = away < self.near[None]
+            near = away < self.near[None] * self.points.relative(j)
             if near:
                 normal = ti.Vector([plane.x, plane.y])
-                displacement += self.displacement_by(apart - 2.0 * away * normal)
+                displacement += self.displacement_by(apart - 2.0 * away * normal, relative)
                 # where the walls face each other this is far away
                 corner -= 2.0 * (away + normal.dot(corner - apart)) * normal
             both = both and near
         if both:
-            displacement += self.displacement_by(corner)
+            displacement += self.displacement_by(corner, relative)
         return displacement

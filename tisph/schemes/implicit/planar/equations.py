@@ -43,13 +43,15 @@ errors that are left would grow, as extrapolation multiplies them by up to 15.""
 class Step:
     """A step ``dt``: its ``gamma0``, the ``viscosity`` of its implicit part, and the error ``allowed`` of velocities.
 
-    ``retained``: k gamma_0, by which divergence stays.
+    ``retained``: k gamma_0, by which divergence stays, where the spacing is the largest one. ``decay``: dt times the
+    two terms of its decay there, ``step_limits.decay_rates``.
     """
 
     dt: float
     gamma0: float
     viscosity: float
     retained: float
+    decay: tuple[float, float]
     allowed: float
 
 
@@ -152,8 +154,8 @@ class Equations:
     def error(self) -> tuple[float, float]:
         """Return the root mean square difference of the new from the extrapolated velocities, and of lower order."""
         self.sum_difference()
-        n_fluid = self.points.inside
-        difference, lower = (float(view(each)) / n_fluid for each in (self.difference_squared, self.lower_squared))
+        area = self.points.area
+        difference, lower = (float(view(each)) / area for each in (self.difference_squared, self.lower_squared))
         return math.sqrt(difference), math.sqrt(lower)
 
     def begin(self, viscosity: float, tolerance: float, forced: bool, couplings: Sequence[Coupling]) -> bool:
@@ -235,7 +237,7 @@ class Equations:
             total, lower = 0.0, 0.0
             for i in range(self.points.n_fluid[None]):
                 square = self.coordinates.squared(i, self.velocity.x[i] - self.extrapolated[i])
-                weight = self.boundary.error_weight(i)
+                weight = self.boundary.error_weight(i) * self.points.relative(i) ** 2
                 total += weight * square
                 if ti.static(self.may_scatter):
                     rest = self.velocity.x[i]
@@ -254,13 +256,13 @@ class Splitting(Equations):
 
     def __init__(self, grid: Any, boundary: Boundary, extra_stress: ExtraStress, residuals: Sequence[float]) -> None:
         super().__init__(grid, boundary, extra_stress, residuals)
-        self.for_velocity = None if boundary.bounded else TwoLevel(self.velocity, grid)
+        self.for_velocity = None if boundary.bounded or self.points.graded else TwoLevel(self.velocity, grid)
         self.least_iterations = 2 if boundary.bounded or extra_stress.nonlinear else 1
 
     def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
         """Solve for the pressure, and with its gradient for the velocities; return whether both were possible."""
         if outer == 0 or self.forcing_varies or self.sources is not None:
-            self.set_divergence(step.dt, step.retained, step.gamma0)
+            self.set_divergence(step)
         if outer > 0 and not any(coupling.sets_curls for coupling in couplings):
             self.boundary.update_normal_curls(self.velocity.x)
         self.boundary.add_normal_momentum(self, step.dt, step.gamma0, step.viscosity)
@@ -274,19 +276,26 @@ class Splitting(Equations):
         self.iterations[1] += self.velocity.iterations
         return solved and found
 
-    def set_divergence(self, dt: float, retained: float, gamma0: float) -> None:
-        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0, and add the sources."""
-        self.set_divergence_of_forcing(dt, retained, gamma0)
+    def set_divergence(self, step: Step) -> None:
+        """Set the right-hand side of the pressure, equation (2), and add the sources."""
+        self.set_divergence_of_forcing(step.dt, step.retained, step.gamma0, *step.decay)
         if self.sources is not None:
             view(self.pressure.b)[: len(self.sources)] += self.sources
 
     @ti.kernel
-    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float):
-        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0."""
+    def set_divergence_of_forcing(self, dt: float, retained: float, gamma0: float, viscous: float, convective: float):
+        """Set the right-hand side of the pressure, equation (2), with ``retained`` = k gamma_0.
+
+        Where the spacing varies k follows from the decay by its two terms.
+        """
         ti.loop_config(serialize=self.operators.serial_light)
         for i in range(self.points.n_fluid[None]):
+            kept = retained
+            if ti.static(self.points.graded):
+                relative = self.points.relative(i)
+                kept = ti.max(0.0, gamma0 - viscous / relative**2 - convective / relative)
             divergence = self.extra_stress.with_viscous_divergence(i, self.divergence_of_forcing(i))
-            self.pressure.b[i] = (self.boundary.divergence_to_keep(i, retained, gamma0) - divergence) / dt
+            self.pressure.b[i] = (self.boundary.divergence_to_keep(i, kept, gamma0) - divergence) / dt
 
     @ti.kernel
     def set_momentum(self, dt: float):

@@ -38,6 +38,7 @@ from typing import Any
 import numpy as np
 
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
+from tisph.geometry.region import nearest_image
 from tisph.numerics.stokes import WallRows
 from tisph.runtime import integer, real, ti, view
 from tisph.schemes.implicit.planar.equations import Equations
@@ -97,7 +98,10 @@ def nearest_fits(
     """
     distance, nearest = tree.query(places, around)
     radius = distance[:, -1:]
-    x, y = ((tree.data[nearest] - places[:, None]) / radius[..., None]).transpose(2, 0, 1)
+    apart = tree.data[nearest] - places[:, None]
+    if tree.boxsize is not None:
+        apart = nearest_image(apart, tree.boxsize)
+    x, y = (apart / radius[..., None]).transpose(2, 0, 1)
     basis = np.stack([x**a * y**b for a, b in powers], axis=1)
     return nearest, first_coefficient(basis, (1.0 - (distance / radius) ** 2) ** 2)
 

@@ -11,13 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tisph.runtime import ti
+from tisph.numerics import SKIN
+from tisph.runtime import ti, view
 from tisph.schemes.implicit.planar.corner_singularities import Corners
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, TimeWeights
 
 MOST_ITERATIONS = 20
 """Outer iterations of a step with couplings."""
+
+COARSE_SIDE = 0.5
+"""By how much supports are wider where the spacing grows, over its growth within a support: on the coarse side a
+support would be empty."""
 
 if TYPE_CHECKING:
     from tisph.numerics.stokes import Unknowns, WallRows
@@ -112,8 +117,8 @@ class Boundary:
     parts: "Sequence[BoundaryPart]" = ()
     velocity: np.ndarray
 
-    def __init__(self, problem: Problem, levels: TimeLevels) -> None:
-        self.problem, self.levels = problem, levels
+    def __init__(self, problem: Problem, levels: TimeLevels, support: float) -> None:
+        self.problem, self.levels, self.support = problem, levels, support
         self.velocity = np.zeros((0, levels.components))
         self.corners = Corners()
 
@@ -144,6 +149,25 @@ class Boundary:
 
     def move(self, time: float) -> None:
         """Set the points on walls at ``time``, and all that depends on the distances of particles from walls."""
+        points = self.levels.points
+        if points.graded:
+            self.set_supports(view(points.position)[: points.fluid], np.ones(points.fluid), time)
+
+    def set_supports(self, positions: np.ndarray, factor: np.ndarray, time: float) -> np.ndarray | float:
+        """Set spacings at ``positions`` (points, 2) and ``time``, and supports by their ``factor`` (points,) near walls.
+
+        Return the spacings over the largest one.
+        """
+        points, problem, relative = self.levels.points, self.problem, 1.0
+        if points.graded:
+            relative = problem.wanted_spacing.at(positions.astype(float) + problem.origin, time) / problem.spacing
+            points.set_spacing(relative)
+            growth = np.minimum(problem.growth * self.support, 1.0 / relative - 1.0)
+            factor = factor * (1.0 + COARSE_SIDE * growth)
+        view(self.levels.operators.support_factor)[: points.fluid] = factor * relative
+        reach = self.support * factor * relative * problem.spacing + SKIN * relative * problem.spacing
+        view(points.radius)[: points.fluid] = reach
+        return relative
 
     def set_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""

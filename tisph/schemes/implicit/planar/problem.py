@@ -10,6 +10,7 @@ import numpy as np
 from tisph.geometry.body import Body
 from tisph.geometry.ends import OpenEnd
 from tisph.geometry.region import Box, box_around
+from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
 from tisph.measures.fits import section_weights
 from tisph.measures.flow import FlowInBox
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
@@ -34,6 +35,7 @@ class Problem(Box):
     * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
       Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
       minus 1 of its modes; None for a start from rest.
+    * ``spacing_sources``, ``growth``: of the spacing that is wanted at each place, at most ``spacing``.
     * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
     * ``walls``: None without any; the box extends beyond walls by more than the support of operators. ``corners``
       (``exact/sliding_corner.py``): corners in which the velocities of two walls differ. ``contact``: distance and
@@ -56,6 +58,8 @@ class Problem(Box):
     reference_velocity: float
     start_time: float = 0.0
     inertia: bool = True
+    spacing_sources: Sequence[Source] = ()
+    growth: float = GROWTH
     walls: WallPoints | None = None
     all_bodies: Sequence[Body] = ()
     acceleration: tuple[float, float] = (0.0, 0.0)
@@ -73,6 +77,11 @@ class Problem(Box):
     annular: bool = False
     kept_mean_velocity: float | None = None
     section_weights: Callable[..., np.ndarray] | None = None
+
+    @cached_property
+    def wanted_spacing(self) -> WantedSpacing:
+        """The particle spacing that is wanted at each place."""
+        return WantedSpacing(self.spacing, self.spacing_sources, self.growth)
 
     @cached_property
     def bodies(self) -> Sequence[Body]:
@@ -165,6 +174,8 @@ def problem_of(scene: FlowInBox) -> Problem:
         density=scene.density,
         kinematic_viscosity=scene.kinematic_viscosity,
         reference_velocity=scene.reference_velocity,
+        spacing_sources=scene.spacing_sources,
+        growth=scene.growth,
         start_time=scene.start_time,
         inertia=scene.inertia,
         walls=walls,

@@ -17,7 +17,8 @@ from tisph.numerics.auxiliary_grid import PeriodicGrid, WalledGrid
 from tisph.numerics.domain import PeriodicDomain
 from tisph.numerics.least_squares import AxisymmetricOperators, LeastSquaresOperators
 from tisph.numerics.point_cloud import PointCloud, active
-from tisph.numerics.shifting import TRAVEL, FickianShifting
+from tisph.numerics.point_laplacian import PointLaplacian
+from tisph.numerics.shifting import FickianShifting
 from tisph.runtime import real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
@@ -25,9 +26,11 @@ from tisph.schemes.implicit.planar.body_exchange import BodyExchange, Particles
 from tisph.schemes.implicit.planar.equations import Coupled, Equations, Splitting, Step
 from tisph.schemes.implicit.planar.free_bodies import FreeBodyPart
 from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
+from tisph.schemes.implicit.planar.insertion import Insertion
 from tisph.schemes.implicit.planar.mean_velocity import MeanVelocityControl
 from tisph.schemes.implicit.planar.open_ends import OpenEnds
 from tisph.schemes.implicit.planar.parts import (
+    COARSE_SIDE,
     MOST_ITERATIONS,
     Boundary,
     Coupling,
@@ -94,17 +97,19 @@ class PlanarScheme(ControlledScheme):
         self.coupled = limits.is_slow(problem, courant)
         self.control = limits.step_control(problem, targets, tolerance, courant)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
-        self.exchange = BodyExchange(problem)
+        self.exchange, self.insertion = BodyExchange(problem), Insertion(problem)
         self.build(problem)
         self.reset()
 
     def build(self, problem: Problem) -> None:
         """Make the parts of a step of a ``problem``, and their fields."""
         self.problem, walls, coupled = problem, problem.walls, self.coupled
-        self.points = points_of(problem, self.serial)
+        self.points = self.insertion.points = points_of(problem, self.serial)
         self.operators = operators_of(problem, self.points)
-        self.grid: WalledGrid | PeriodicGrid
-        if walls:
+        self.grid: WalledGrid | PeriodicGrid | PointLaplacian
+        if self.points.graded:
+            self.grid = PointLaplacian(self.points, problem)
+        elif walls:
             self.grid = WalledGrid(self.points, problem, velocities=coupled)
         else:
             self.grid = PeriodicGrid(self.points, problem, problem.height)
@@ -133,6 +138,7 @@ class PlanarScheme(ControlledScheme):
         self.output_cache: Any = None
         self.stress_resolution: Any = None
         self.boundary.reset()
+        self.insertion.reset()
 
     def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
         """Place the particles, at (particles, 2), and find the pressure of their velocities (particles, components).
@@ -184,8 +190,8 @@ class PlanarScheme(ControlledScheme):
 
     @property
     def speed(self) -> float:
-        """Velocity that the Courant number of a step refers to."""
-        return limits.courant_speed(float(view(self.levels.fastest)), self.problem)
+        """Velocity that the Courant number of a step refers to, in the largest spacing."""
+        return limits.courant_speed(float(view(self.levels.fastest_relative)), self.problem)
 
     @property
     def error_speed(self) -> float:
@@ -221,15 +227,40 @@ class PlanarScheme(ControlledScheme):
             self.control.notice_scatter(error, self.roughness)
         self.accept_step(dt)
 
+    def particles_with(self, fields: Sequence[np.ndarray], passages: np.ndarray) -> tuple[Particles, list[np.ndarray]]:
+        """Return the particles with ``fields`` (points, ...), and the values of these at the points on walls."""
+        fluid, levels = slice(self.points.inside), self.levels
+        place = active(levels.position)[fluid].astype(float) + np.array(self.problem.origin)
+        values = [field.astype(float) for field in fields]
+        particles = Particles(place, [value[fluid] for value in values], active(levels.number)[fluid].copy(), passages)
+        return particles, [value[self.boundary.slots] for value in values]
+
+    def renew_particles(self) -> None:
+        """Remove particles where they crowd, and insert others where they are sparse."""
+        levels, position = self.levels, active(self.levels.position).astype(float)
+        crowded, places = self.insertion.choose(position, self.time)
+        if not len(crowded) + len(places):
+            return
+        carried = [levels.fields, levels.divergence, *self.extra_stress.fields]
+        fields = [active(field).reshape(self.points.fluid, -1) for field in carried]
+        particles, on_walls = self.particles_with(fields, self.insertion.passages)
+        values = self.insertion.values(position, fields, places)
+        walls = position[self.boundary.slots]
+        self.insertion.change(particles, crowded, places + self.problem.origin, values)
+        self.require_room("particles", max(0, len(particles.number) + len(walls) - self.points.capacity))
+        self.points.resize(len(particles.number))
+        for field, of_particles, others in zip(carried, particles.fields, on_walls, strict=True):
+            active(field)[...] = np.concatenate([of_particles, others]).reshape(active(field).shape)
+        active(levels.position)[...] = np.concatenate([particles.position - self.problem.origin, walls])
+        active(levels.number)[: self.points.inside] = particles.number
+        self.grid.forget()
+
     def exchange_bodies(self) -> None:
         """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""
         problem, levels, state = self.problem, self.levels, self.boundary.host_state()
-        fluid, slots = slice(self.points.inside), self.boundary.slots
-        unknowns = active(levels.fields)[:, : levels.components]
-        fields = [unknowns.astype(float), *(active(field).astype(float) for field in self.extra_stress.fields)]
-        number, place = active(levels.number)[fluid].copy(), active(levels.position)[fluid] + np.array(problem.origin)
-        particles = Particles(place, [field[fluid] for field in fields], number, np.array(state["passages"]))
-        new, on_walls = self.exchange.exchange(problem, particles, [field[slots] for field in fields], self.time)
+        fields = [active(levels.fields)[:, : levels.components], *map(active, self.extra_stress.fields)]
+        particles, walls_before = self.particles_with(fields, np.array(state["passages"]))
+        new, on_walls = self.exchange.exchange(problem, particles, walls_before, self.time)
         self.build(new)
         boundary = self.boundary
         assert isinstance(boundary, WallBoundary)
@@ -305,8 +336,10 @@ class PlanarScheme(ControlledScheme):
             coupling.prepare(equations, dt, gamma0, end, allowed)
         extra_stress.prepare(weights, dt, end)
         viscosity = self.problem.solvent_viscosity + extra_stress.viscosity
-        decay = limits.decay_rate(viscosity, self.speed, self.problem)
-        step = Step(dt, gamma0, viscosity, max(0.0, gamma0 - decay * dt), allowed)
+        speed = limits.courant_speed(float(view(levels.fastest)), self.problem)
+        viscous, convective = limits.decay_rates(viscosity, speed, self.problem)
+        retained = max(0.0, gamma0 - (viscous + convective) * dt)
+        step = Step(dt, gamma0, viscosity, retained, (viscous * dt, convective * dt), allowed)
         equations.begin_step(weights, alpha if self.problem.inertia else 0.0 * alpha)
         self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
@@ -367,18 +400,20 @@ class PlanarScheme(ControlledScheme):
         self.boundary.accept(self.time + dt)
         for coupling in self.couplings:
             coupling.store(end)
-        travelled = dt * self.speed / self.problem.spacing
-        self.shift.shift(self.steps == 0 and not self.boundary.bounded, min(1.0, travelled / TRAVEL))
+        travelled = dt * limits.courant_speed(float(view(levels.fastest)), self.problem) / self.problem.spacing
+        self.shift.shift(self.steps == 0 and not self.boundary.bounded, travelled)
         levels.remap()
         self.extra_stress.remap()
         self.boundary.corners.find_fastest()
         speed = self.speed
-        if speed > limits.RUNAWAY * self.problem.reference_velocity:
+        if view(levels.fastest) > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
             raise DivergedError(f"u, v: above {text}{cure}")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             levels.reorder(self.extra_stress.fields)
+        elif self.insertion.due(self.steps + 1):
+            self.renew_particles()
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.end_step(dt, speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]
@@ -454,6 +489,7 @@ class PlanarScheme(ControlledScheme):
             "iterations_velocity": self.iterations[1] / max(self.steps, 1),
             **self.boundary.numbers(),
             **self.exchange.numbers(),
+            **self.insertion.numbers(),
         }
 
     def parts(self) -> dict[str, Any]:
@@ -464,7 +500,8 @@ class PlanarScheme(ControlledScheme):
         """Return the numbers outside the fields that a resumed run needs."""
         couplings = [coupling.host_state() for coupling in self.couplings]
         walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.points.inside}
-        return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies}
+        insertion = self.insertion.state()
+        return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies, **insertion}
 
     def make_room(self, state: Mapping[str, Any]) -> None:
         """Make as many particles and points on walls as a ``host_state`` has."""
@@ -473,10 +510,12 @@ class PlanarScheme(ControlledScheme):
             assert problem.walls is not None
             walls = problem.walls.of_bodies(self.exchange.in_fluid)
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
+        self.points.resize(state["bodies"]["particles"])
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
+        self.insertion.restore(state)
         self.boundary.restore_host_state(state["walls"])
         for coupling, its in zip(self.couplings, state["couplings"], strict=True):
             coupling.restore_host_state(its)
@@ -499,7 +538,7 @@ def boundary_of(
     ``rounding``, ``slow``: see ``BoundaryPart.couplings``.
     """
     if problem.walls is None:
-        return Boundary(problem, levels), []
+        return Boundary(problem, levels, SUPPORT), []
     boundary = WallBoundary(problem, levels, shift, grid, extra_stress, SUPPORT)
     if any(body.free for body in problem.bodies):
         boundary.add(FreeBodyPart(boundary))
@@ -520,16 +559,19 @@ def points_of(problem: Problem, serial: bool) -> PointCloud:
     if problem.walls is not None:
         cutoff = reach, reach + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) * problem.spacing
     domain, on_walls = PeriodicDomain(problem.length, problem.height), problem.particles - problem.n_fluid
-    return PointCloud(problem, domain, cutoff, 0, serial, on_walls=on_walls)
+    finest = problem.wanted_spacing.smallest / problem.spacing
+    if finest < 1.0:
+        largest = cutoff[1] if isinstance(cutoff, tuple) else reach
+        cutoff = reach, largest * (1.0 + COARSE_SIDE * SUPPORT * problem.growth)
+    return PointCloud(problem, domain, cutoff, 0, serial, on_walls=on_walls, finest=finest)
 
 
 def operators_of(problem: Problem, points: PointCloud) -> LeastSquaresOperators:
     """Return the operators of ``points`` (``PointCloud``), planar or axisymmetric."""
-    bounded = problem.walls is not None
     # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
     curved = problem.walls is not None and problem.walls.curved and real() == ti.f64
     pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else SMALLEST_PIVOT
-    chosen = points, SUPPORT * problem.spacing, 4, pivot, bounded, curved
+    chosen = points, SUPPORT * problem.spacing, 4, pivot, points.varying, curved
     if problem.axisymmetric:
         return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)
     return LeastSquaresOperators(*chosen)

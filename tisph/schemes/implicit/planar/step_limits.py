@@ -87,10 +87,13 @@ def error_speed(fastest: float, case: FlowScales) -> float:
     return max(fastest, SMALLEST_SCALE * case.reference_velocity)
 
 
-def decay_rate(viscosity: float, speed: float, problem: Problem) -> float:
-    """Return the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md."""
+def decay_rates(viscosity: float, speed: float, problem: Problem) -> tuple[float, float]:
+    """Return the two terms of the rate r at which divergence decays, equation (4) of docs/theory/two-dimensional.md.
+
+    They hold for the largest spacing, and vary as its inverse square and its inverse.
+    """
     viscous, convective = DECAY_WITH_ENDS if problem.open_ends else DECAY
-    return viscous * viscosity / problem.spacing**2 + convective * speed / problem.spacing
+    return viscous * viscosity / problem.spacing**2, convective * speed / problem.spacing
 
 
 def residuals(tolerance: float, least: float, open_ended: bool) -> list[float]:
@@ -138,14 +141,16 @@ def first_step(longest: float, case: FlowScales) -> float:
 
 
 def viscous_step(case: FlowScales) -> float:
-    """Return the step at which ``MOST_VISCOUS`` is reached, infinite in a box without walls of a Newtonian fluid.
+    """Return the step at which ``MOST_VISCOUS`` is reached by the smallest spacing.
+
+    It is infinite in a box without walls of a Newtonian fluid, with one spacing.
 
     Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over
     ``LEADING``.
     """
-    if not (case.bodies or case.rheology):
+    if not (case.bodies or case.rheology or case.wanted_spacing.varies):
         return math.inf
-    most, viscosity = MOST_VISCOUS * case.spacing**2, case.kinematic_viscosity
+    most, viscosity = MOST_VISCOUS * case.wanted_spacing.smallest**2, case.kinematic_viscosity
     if case.rheology is None or not case.rheology.carries_stress:
         return most / viscosity
     stiffness = sum(law.modulus for law in case.rheology.laws(viscosity)) / LEADING

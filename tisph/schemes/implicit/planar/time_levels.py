@@ -325,7 +325,8 @@ class TimeLevels:
 
     ``d_dx``, ``d_dy``: derivatives of all fields. ``divergence`` (fluid): divergence of the newest velocities.
     ``fastest``: largest newest velocity that moves a particle, relative to the mean where particles are
-    ``carried_along``; ``largest``: the same with the velocity around the axis. ``number`` (fluid): number of a particle
+    ``carried_along``; ``largest``: the same with the velocity around the axis; ``fastest_relative``: the largest one
+    over the relative spacing of its particle. ``number`` (fluid): number of a particle
     at the start, as their order in memory changes.
 
     """
@@ -349,6 +350,7 @@ class TimeLevels:
             scalar(0.0) for _ in range(4)
         )
         self.largest = scalar(0.0) if self.coordinates.axisymmetric else self.fastest
+        self.fastest_relative = scalar(0.0) if self.points.graded else self.fastest
 
     def predict(self, weights: TimeWeights) -> None:
         """Move the points to the positions of the particles at the end of a step, by the polynomial of velocities."""
@@ -441,7 +443,7 @@ class TimeLevels:
         Velocities are those relative to their mean.
 
         """
-        divergence, gradient, largest, fastest, around = 0.0, 0.0, 0.0, 0.0, 0.0
+        divergence, gradient, largest, fastest, around, relative_square = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         mean = 0.0 * self.velocity(0, 0)
         for i in range(particles):
             mean += self.velocity(0, i)
@@ -449,16 +451,20 @@ class TimeLevels:
         for i in range(particles):
             d_dx, d_dy = self.d_dx[i], self.d_dy[i]
             square = self.coordinates.gradient_square(i, self.fields, d_dx, d_dy)
-            divergence += self.divergence[i] ** 2
-            gradient += square
+            relative = self.points.relative(i)
+            divergence += (relative * self.divergence[i]) ** 2
+            gradient += relative * relative * square
             largest = ti.max(largest, square)
             velocity = self.velocity(0, i) - mean
             around = ti.max(around, self.coordinates.squared(i, velocity))
-            fastest = ti.max(fastest, self.coordinates.squared(i, self.coordinates.moving(velocity)))
+            moving = self.coordinates.squared(i, self.coordinates.moving(velocity))
+            fastest = ti.max(fastest, moving)
+            relative_square = ti.max(relative_square, moving / relative**2)
         self.divergence_squared[None] = divergence
         self.gradient_squared[None] = gradient
         self.largest_gradient[None] = ti.sqrt(largest)
         self.largest[None] = ti.sqrt(around)
+        self.fastest_relative[None] = ti.sqrt(relative_square)
         self.fastest[None] = ti.sqrt(fastest)
 
     @ti.kernel
@@ -481,9 +487,9 @@ class TimeLevels:
     @property
     def divergence_scale(self) -> float:
         """Root mean square of the divergence of the newest velocities."""
-        return math.sqrt(float(view(self.divergence_squared)) / self.points.inside)
+        return math.sqrt(float(view(self.divergence_squared)) / self.points.area)
 
     def residual(self, least: float) -> float:
         """Divergence over the gradient of the newest velocities, or over the ``least`` one, as root mean squares."""
-        gradient = math.sqrt(float(view(self.gradient_squared)) / self.points.inside)
+        gradient = math.sqrt(float(view(self.gradient_squared)) / self.points.area)
         return self.divergence_scale / max(gradient, least)

@@ -21,7 +21,6 @@ from typing import Any
 import numpy as np
 
 from tisph.measures.resolution import CUBIC_NEIGHBOURS, scatter_in_time
-from tisph.numerics import SKIN
 from tisph.numerics.point_cloud import active
 from tisph.numerics.stokes import WallRows
 from tisph.runtime import real, ti, view
@@ -172,9 +171,9 @@ class WallBoundary(Boundary):
     def __init__(
         self, problem: Problem, levels: TimeLevels, shift: Any, grid: Any, extra_stress: ExtraStress, support: float
     ) -> None:
-        super().__init__(problem, levels)
+        super().__init__(problem, levels, support)
         assert problem.walls is not None
-        self.walls, self.support, self.points = problem.walls, support, levels.points
+        self.walls, self.points = problem.walls, levels.points
         self.shift, self.grid = shift, grid
         self.operators, self.coordinates, self.extra_stress = levels.operators, levels.coordinates, extra_stress
         if problem.corners:
@@ -232,7 +231,7 @@ class WallBoundary(Boundary):
 
     def move(self, time: float) -> None:
         """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
-        positions, spacing, n_fluid = view(self.points.position), self.problem.spacing, self.points.inside
+        positions, n_fluid = view(self.points.position), self.points.inside
         position, self.normals = self.walls.at(time)
         self.update_velocity(time)
         positions[self.slots] = position % [self.problem.length, self.problem.height]
@@ -242,13 +241,11 @@ class WallBoundary(Boundary):
             polar = self.walls.polar_map(positions, planes, distances, curvatures)
             view(self.operators.polar_map)[: self.points.fluid] = polar
         view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
-        factor = self.support_factors(positions, distances)
-        view(self.operators.support_factor)[: self.points.fluid] = factor
-        view(self.points.radius)[: self.points.fluid] = self.support * factor * spacing + SKIN * spacing
+        self.set_supports(positions, self.support_factors(positions, distances), time)
         for part in self.parts:
             part.approach(distances)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
-        if self.grid_time is None or inwards * abs(time - self.grid_time) > spacing:
+        if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.spacing:
             self.set_grid(time)
 
     def update_velocity(self, time: float) -> None:

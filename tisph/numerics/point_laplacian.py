@@ -1,0 +1,119 @@
+"""A Laplacian on the points themselves, whose inverse preconditions the linear systems where the spacing varies.
+
+A regular auxiliary grid does not follow such points. The graph of the 8 nearest neighbours does, with the weights
+
+    w_ij = h_i h_j / (2 r_ij^2)
+
+of the pairs, h being the spacings and r_ij the distance: sum_j w_ij (p_j - p_i) is h_i^2 times the Laplacian on a
+lattice, where 4 neighbours are at h and 4 at sqrt(2) h. The matrix is symmetric, singular by constants alone, and sparse:
+its factors are computed anew when points have moved by ``STALE`` of their spacing, or others are there.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.region import nearest_image
+from tisph.numerics.auxiliary_grid import FLOATING
+from tisph.numerics.point_cloud import PointCloud
+from tisph.runtime import integer, ti, view
+
+NEAREST = 8
+"""Neighbours of a point in the graph."""
+
+STALE = 0.5
+"""Displacement of a point, over its spacing, from which on the factors are computed anew."""
+
+
+@ti.data_oriented
+class PointLaplacian:
+    """The Laplacian on all ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid``: its nodes are the points.
+
+    ``outlet``: first slot of the points at which the pressure is known, a field; None without any. ``place`` (points,
+    2): positions that the factors belong to.
+    """
+
+    def __init__(self, points: PointCloud, box: Any) -> None:
+        self.points, self.box = points, box
+        self.rows, self.columns = points.particles, integer(1)
+        self.outlet: Any = None
+        self.forget()
+
+    def forget(self) -> None:
+        """Forget the factors: others are needed where points have other numbers."""
+        self.place, self.factors = np.empty((0, 2)), None
+
+    def nodes(self, kind: Any) -> Any:
+        """Return a field of this ``kind`` for each node."""
+        return ti.field(kind, self.points.slots + 1)
+
+    def set_walls(self, distance: Callable, outlet: Callable | None = None) -> None:
+        """Do nothing: points on walls are nodes."""
+
+    def sort(self) -> None:
+        """Compute the factors, if those there are belong to points too far from the present ones."""
+        present = view(self.points.position)[: self.points.fluid].astype(float)
+        spacing = self.box.spacing * view(self.points.relative_spacing)[: self.points.fluid].astype(float)
+        if len(self.place) == len(present):
+            moved = np.hypot(*nearest_image(present - self.place, (self.box.length, self.box.height)).T)
+            if (moved < STALE * spacing).all():
+                if self.factors is None:  # of a resumed run
+                    self.factorise(spacing)
+                return
+        self.place = present
+        self.factorise(spacing)
+
+    def factorise(self, spacing: np.ndarray) -> None:
+        """Assemble and factorise the matrix of the points at ``place`` with this ``spacing`` (points,)."""
+        from scipy.sparse import diags, identity
+        from scipy.sparse.linalg import splu
+
+        graph = self.graph(spacing)
+        if self.box.axisymmetric:
+            radius = self.place[:, 1] + self.box.origin[1]
+            graph.data *= 0.5 * (radius[graph.row] + radius[graph.col]) / radius[graph.row]
+        matrix = (diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
+        self.last = len(self.place) if self.outlet is None else int(view(self.outlet))
+        matrix = matrix[: self.last, : self.last]
+        floating = FLOATING * matrix.diagonal().max() * identity(self.last, format="csc")
+        self.factors = splu(matrix + floating, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+
+    def graph(self, spacing: np.ndarray) -> Any:
+        """Return the weights of all pairs, a sparse matrix (points, points), over the square of the largest spacing."""
+        from scipy.sparse import coo_matrix
+        from scipy.spatial import cKDTree
+
+        n = len(self.place)
+        distance, nearest = cKDTree(self.place, boxsize=(self.box.length, self.box.height)).query(self.place, NEAREST + 1)
+        here, there, apart = np.repeat(np.arange(n), NEAREST), nearest[:, 1:].ravel(), distance[:, 1:].ravel()
+        low, high = np.minimum(here, there), np.maximum(here, there)
+        _, chosen = np.unique(low * n + high, return_index=True)
+        low, high, apart = low[chosen], high[chosen], apart[chosen]
+        weight = 0.5 * spacing[low] * spacing[high] / (apart * self.box.spacing) ** 2
+        pairs = np.concatenate([low, high]), np.concatenate([high, low])
+        return coo_matrix((np.tile(weight, 2), pairs), (n, n))
+
+    @ti.func
+    def deposit(self, values: ti.template(), node):
+        """Return the value of the point that is node number ``node``."""
+        return values[node]
+
+    @ti.func
+    def interpolate(self, values: ti.template(), i):
+        """Return the value of the node that is point ``i``."""
+        return values[i]
+
+    def invert(self, field: Any, sigma: float, coefficient: float) -> None:
+        """Replace f at the nodes by (- ``coefficient`` Laplacian)^-1 f; ``sigma`` is 0."""
+        values = view(field)[: self.points.fluid]
+        values[...] = self.invert_pressure(values.astype(float) / coefficient)
+
+    def invert_pressure(self, values: np.ndarray) -> np.ndarray:
+        """Return (-Laplacian)^-1 of ``values`` (points,), of mean 0 where no pressure is known."""
+        result = np.zeros_like(values)
+        known = self.last < len(values)
+        right = values[: self.last]
+        found = self.factors.solve(right if known else right - right.mean())
+        result[: self.last] = found if known else found - found.mean()
+        return result

@@ -1,0 +1,186 @@
+"""Particles that are removed where they crowd and inserted where they are sparse, so that they follow the wanted spacing.
+
+Of each particle i with the spacing h_i the filling is
+
+    f_i = (1 + sum_j W(r_ij / (R (h_i + h_j)/2))) 7/(pi R^2) / (1 - b_i),    W(q) = (1 - q)^4 (1 + 4 q),
+
+1 on a lattice whose spacing is the wanted one; b_i is the part of the integral of W beyond the nearest wall. It scatters
+with the arrangement: means of it, with the weights W, count. Where one is above 1 + ``BAND`` the particle is removed; where
+one is below 1 - ``BAND`` a particle is inserted beside it, at the place that is farthest from all others. Within two
+spacings one particle is removed or inserted at a time. Shifting evens out the rest.
+
+A particle that is inserted takes all its time levels from polynomials of degree 4 through the points around it, of a
+polymer the logarithm of the conformation. So its values have errors of the order h^5, below those of a shift.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.region import nearest_image
+from tisph.runtime import view
+from tisph.schemes.implicit.planar.body_exchange import Particles
+from tisph.schemes.implicit.planar.open_ends import AROUND, DEGREE, nearest_fits, powers_up_to
+from tisph.schemes.implicit.planar.problem import Problem
+
+REACH = 2.5
+"""Radius R of the kernel W in spacings."""
+
+BAND = 0.2
+"""Deviation of the mean filling from 1 from which on particles are removed or inserted."""
+
+INTERVAL = 4
+"""Steps from one search to the next: particles move about a spacing meanwhile, in which the spacing grows by a tenth."""
+
+APART = 2.0
+"""Least distance, in spacings, of two particles that are removed or inserted at the same time."""
+
+BESIDE = np.array([0.5, 0.7, 0.9])[:, None, None] * np.stack(
+    [np.cos(np.arange(12) * math.pi / 6), np.sin(np.arange(12) * math.pi / 6)], axis=-1
+)
+"""Places, in spacings, around a particle with too few others, at which one may be inserted."""
+
+FROM_WALLS = 0.4
+"""Least distance of a particle that is inserted from a wall, in spacings."""
+
+ROWS = 10_000
+"""Particles whose neighbours are looked at together."""
+
+
+class Insertion:
+    """Insertion and removal of the particles of a ``problem``, with the ``points``, a ``PointCloud``, of its scheme.
+
+    ``inserted`` and ``removed``: numbers of particles so far. ``passages`` (numbers,): how often another particle has got
+    a number.
+    """
+
+    points: Any
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem, self.periods = problem, (problem.length, problem.height)
+
+    def reset(self) -> None:
+        """Return to the state before the start."""
+        self.inserted = self.removed = 0
+        self.passages = np.zeros(self.points.inside, dtype=int)
+
+    def due(self, step: int) -> bool:
+        """Return whether particles are looked at after a number of steps."""
+        return self.points.graded and step % INTERVAL == 0
+
+    def change(self, particles: Particles, crowded: np.ndarray, places: np.ndarray, values: list[np.ndarray]) -> None:
+        """Remove the ``crowded`` particles, and add others at ``places`` (m, 2) with these ``values`` (m, numbers)."""
+        particles.keep(np.delete(np.arange(len(particles.number)), crowded))
+        particles.add(places, values)
+        particles.renumber()
+        self.passages = particles.passages
+        self.inserted, self.removed = self.inserted + len(places), self.removed + len(crowded)
+
+    def values(self, position: np.ndarray, fields: list[np.ndarray], places: np.ndarray) -> list[np.ndarray]:
+        """Return ``fields`` (points, numbers) at ``places`` (m, 2), by polynomials through those at ``position``."""
+        from scipy.spatial import cKDTree
+
+        periods, count = list(self.periods), len(position)
+        if self.problem.axisymmetric:  # all fields are even about the axis
+            position = np.concatenate([position, position * [1.0, -1.0] - [0.0, 2.0 * self.problem.origin[1]]])
+            periods[1] = 0.0
+        tree = cKDTree(position, boxsize=periods)
+        nearest, weights = nearest_fits(tree, places, powers_up_to(DEGREE), AROUND[DEGREE])
+        return [np.einsum("ik,ikn->in", weights, field[nearest % count].astype(float)) for field in fields]
+
+    def choose(self, position: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the indices of particles to remove and the places (m, 2) of those to insert.
+
+        ``position`` (points, 2) of the particles, and after them of the points on walls, in the box.
+        """
+        from scipy.spatial import cKDTree
+
+        inside = self.points.inside
+        fluid = position[:inside]
+        spacing = self.problem.wanted_spacing.at(fluid + self.problem.origin, time)
+        filling = self.filling(position, spacing, time)
+        order = np.argsort(-np.abs(filling - 1.0), kind="stable")
+        order = order[np.abs(filling[order] - 1.0) > BAND]
+        chosen: list[int] = []
+        for i in order:
+            apart = np.hypot(*nearest_image(fluid[chosen] - fluid[i], self.periods).T)
+            if (apart > APART * spacing[i]).all():
+                chosen.append(int(i))
+        sparse = [i for i in chosen if filling[i] < 1.0]
+        tree = cKDTree(position, boxsize=self.periods)
+        places = [self.hole(tree, fluid[i], spacing[i], time) for i in sparse]
+        crowded = np.array(sorted(set(chosen).difference(sparse)), dtype=int)
+        return crowded, np.reshape([place for place in places if place is not None], (-1, 2))
+
+    def hole(self, tree: Any, centre: np.ndarray, spacing: float, time: float) -> np.ndarray | None:
+        """Return the place (2,) beside a particle at ``centre`` that is farthest from all points; None without any."""
+        places = (centre + spacing * BESIDE.reshape(-1, 2)) % self.periods
+        if self.problem.walls:
+            distance = self.problem.walls.distance(places, time, self.problem.bodies)
+            places = places[distance > FROM_WALLS * spacing]
+        if not len(places):
+            return None
+        return places[np.argmax(tree.query(places)[0])]
+
+    def filling(self, position: np.ndarray, spacing: np.ndarray, time: float) -> np.ndarray:
+        """Return the means of the filling (inside,) of particles with this ``spacing`` (inside,)."""
+        inside = self.points.inside
+        beyond = np.zeros(inside)
+        if self.problem.walls:
+            distance = self.problem.walls.distance(position[:inside], time, self.problem.bodies)
+            beyond = part_beyond(distance / (REACH * spacing))
+        found, parts = np.empty(inside), []
+        for first in range(0, inside, ROWS):
+            rows = slice(first, min(first + ROWS, inside))
+            other, weight = self.neighbours(rows, position, spacing)
+            found[rows] = 1.0 + weight.sum(axis=1)
+            parts.append((rows, other, weight))
+        found *= 7.0 / (math.pi * REACH**2) / (1.0 - beyond)
+        mean = np.empty(inside)
+        for rows, other, weight in parts:
+            mean[rows] = (found[rows] + (weight * found[other]).sum(axis=1)) / (1.0 + weight.sum(axis=1))
+        return mean
+
+    def neighbours(self, rows: slice, position: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the neighbours (rows, many) of particles among the particles, and W, 0 for those that are none."""
+        entries, listed = self.points.rows_of(rows)
+        other = view(self.points.neighbours)[entries]
+        listed &= other < self.points.inside
+        other = np.where(listed, other, 0)
+        apart = nearest_image(position[other] - position[rows][:, None], self.periods)
+        mean = 0.5 * REACH * (spacing[rows][:, None] + spacing[other])
+        nearness = np.maximum(1.0 - np.sqrt((apart**2).sum(axis=2)) / mean, 0.0)
+        return other, np.where(listed, nearness**4 * (5.0 - 4.0 * nearness), 0.0)
+
+    def numbers(self) -> Mapping[str, Any]:
+        """Return the numbers of particles that were inserted and removed, for ``summary.json``."""
+        return self.counts if self.points.graded else {}
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Numbers of particles that were inserted and removed."""
+        return {"inserted": self.inserted, "removed": self.removed}
+
+    def state(self) -> dict[str, Any]:
+        """Return the data that a resumed run needs."""
+        return {"insertion": [self.inserted, self.removed, self.passages.tolist()]} if self.points.graded else {}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Restore the data of ``state``."""
+        if self.points.graded:
+            self.inserted, self.removed, passages = state["insertion"]
+            self.passages = np.array(passages)
+
+
+def part_beyond(distance: np.ndarray) -> np.ndarray:
+    """Return the part (n,) of the integral of W beyond a plane at a ``distance`` (n,) in radii of the kernel."""
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    low = np.clip(distance, 0.0, 1.0)[:, None]
+    x = low + (1.0 - low) * 0.5 * (1.0 + nodes)
+    height = np.sqrt(1.0 - x**2)[..., None]
+    radius = np.sqrt(x[..., None] ** 2 + (height * 0.5 * (1.0 + nodes)) ** 2)
+    kernel = np.maximum(1.0 - radius, 0.0) ** 4 * (1.0 + 4.0 * radius)
+    across = (kernel * weights).sum(axis=2) * height[..., 0]  # both halves, each of height/2
+    return 7.0 / math.pi * (across * weights).sum(axis=1) * 0.5 * (1.0 - low[:, 0])

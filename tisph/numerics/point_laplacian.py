@@ -85,7 +85,9 @@ class PointLaplacian:
         from scipy.spatial import cKDTree
 
         n = len(self.place)
-        distance, nearest = cKDTree(self.place, boxsize=(self.box.length, self.box.height)).query(self.place, NEAREST + 1)
+        distance, nearest = cKDTree(self.place, boxsize=(self.box.length, self.box.height)).query(
+            self.place, NEAREST + 1
+        )
         here, there, apart = np.repeat(np.arange(n), NEAREST), nearest[:, 1:].ravel(), distance[:, 1:].ravel()
         low, high = np.minimum(here, there), np.maximum(here, there)
         _, chosen = np.unique(low * n + high, return_index=True)

@@ -211,7 +211,7 @@ class FickianShifting(Shifting):
         else:
             for k in range(self.points.begin[i], self.last[i]):
                 j = self.listed[k]
-                displacement += self.displacement_by(self.points.separation(i, j), self.mean(i, j))
+                displacement += self.displacement_by(i, j, self.points.separation(i, j))
         displacement *= self.rate(i)
         if ti.static(self.off_walls):
             displacement += self.displacement_off_walls(i)
@@ -233,16 +233,20 @@ class FickianShifting(Shifting):
         return result
 
     @ti.func
-    def mean(self, i, j):
-        """Return the mean of the relative spacings of two particles."""
-        return 0.5 * (self.points.relative(i) + self.points.relative(j))
+    def displacement_by(self, i, j, apart):
+        """Return the displacement of particle ``i``, over the rate, by particle ``j`` at the vector ``apart``.
 
-    @ti.func
-    def displacement_by(self, apart, relative):
-        """Return the displacement, over the strength, by a particle at the vector ``apart``, for a mean spacing."""
+        The support is that of the mean of their spacings. A force f(r/h_ij) of each pair pushes particles to where the
+        spacing grows, with 2 - 3/2 of its growth: 2 by their number, 1/h^2, less 3/2 by h_ij. With the weight
+        (h_j/h_i)^(1/2) it does not.
+        """
+        relative, weight = 1.0, 1.0
+        if ti.static(self.points.graded):
+            relative = 0.5 * (self.points.relative(i) + self.points.relative(j))
+            weight = ti.sqrt(self.points.relative(j) / self.points.relative(i))
         scaled = self.per_support[None] / relative * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
-        return -nearness * nearness * nearness * scaled
+        return -weight * nearness * nearness * nearness * scaled
 
     @ti.func
     def displacement_near_walls(self, i):
@@ -255,7 +259,7 @@ class FickianShifting(Shifting):
             displacement += self.displacement_by_images(i, i)
         for k in range(self.points.begin[i], self.last[i]):
             j = self.listed[k]
-            displacement += self.displacement_by(self.points.separation(i, j), self.mean(i, j))
+            displacement += self.displacement_by(i, j, self.points.separation(i, j))
             if near:
                 displacement += self.displacement_by_images(i, j)
         return displacement
@@ -280,16 +284,16 @@ class FickianShifting(Shifting):
     def displacement_by_images(self, i, j):
         """Return the displacement of particle ``i`` by the images of particle ``j``: in each wall, and in both."""
         apart, displacement, both = self.points.separation(i, j), ti.Vector([0.0, 0.0]), True
-        corner, relative = apart, self.mean(i, j)
+        corner = apart
         for wall in ti.static(range(self.walls)):
             plane, away = self.planes[j, wall], self.distance(j, wall)
             near = away < self.near[None] * self.points.relative(j)
             if near:
                 normal = ti.Vector([plane.x, plane.y])
-                displacement += self.displacement_by(apart - 2.0 * away * normal, relative)
+                displacement += self.displacement_by(i, j, apart - 2.0 * away * normal)
                 # where the walls face each other this is far away
                 corner -= 2.0 * (away + normal.dot(corner - apart)) * normal
             both = both and near
         if both:
-            displacement += self.displacement_by(corner, relative)
+            displacement += self.displacement_by(i, j, corner)
         return displacement

@@ -182,7 +182,7 @@ class FreeBodies:
         assert problem.contact is not None
         self.walls, self.density, self.viscosity = walls, density, problem.kinematic_viscosity
         distance, pressure = problem.contact
-        self.contact = Contact(walls.bodies, distance, pressure, walls.spacing)
+        self.contact = Contact(walls.bodies, distance, pressure, problem.wanted_spacing.smallest)
         self.index = [number for number, body in enumerate(walls.bodies) if body.free]
         self.motions = [walls.bodies[number].motion for number in self.index]
         inertias = [motion.inertia for motion in self.motions]
@@ -394,7 +394,10 @@ class FreeBodyPart(BoundaryPart):
         self.bodies.restart()
 
     def approach(self, distances: np.ndarray) -> None:
-        """Set where the pressure is continued, and the particles in narrow gaps, by ``distances`` (points, 2)."""
+        """Set where the pressure is continued, and the particles in narrow gaps, by ``distances`` (points, 2).
+
+        Distances are over the relative spacing of a point.
+        """
         spacing, n_fluid = self.problem.spacing, self.points.inside
         nearness = (CONTINUED[0] - distances[self.boundary.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
         view(self.continued)[self.boundary.slots] = np.clip(nearness, 0.0, 1.0)
@@ -439,7 +442,8 @@ class FreeBodyPart(BoundaryPart):
     @ti.func
     def row_weight(self, i, k, slope):
         """Return the weight of neighbour ``k`` in the equation at a point; in a gap that closes it is a mean's."""
-        apart = self.points.separation(i, self.points.neighbours[k]) * self.per_spacing[None]
+        per_spacing = self.per_spacing[None] / self.points.relative(i)
+        apart = self.points.separation(i, self.points.neighbours[k]) * per_spacing
         nearness = self.per_spacing[None] ** 2 * ti.max(0.0, 1.0 - apart.dot(apart) / MEAN_RADIUS**2) ** 2
         return slope + self.continued[i] * (nearness - slope)
 

@@ -131,7 +131,9 @@ class GeneralisedNewtonianStress(ExtraStress):
         self.find_added_force(velocity)
         fluid, radius = slice(self.points.inside), np.broadcast_to(self.radius, self.points.fluid)[: self.points.inside]
         speed = view(velocity)[: self.points.fluid].astype(float)
-        speed[:, 0] -= (speed[self.points.inside :, 0] if self.points.fluid > self.points.inside else speed[:, 0]).mean()
+        speed[:, 0] -= (
+            speed[self.points.inside :, 0] if self.points.fluid > self.points.inside else speed[:, 0]
+        ).mean()
         power = speed[fluid] * view(self.added_force)[fluid]
         power[:, 1:] *= radius[:, None] ** 2
         dissipation = radius @ self.dissipation[fluid]

@@ -53,7 +53,7 @@ class Insertion:
     """Insertion and removal of the particles of a ``problem``, with the ``points``, a ``PointCloud``, of its scheme.
 
     ``inserted`` and ``removed``: numbers of particles so far. ``passages`` (numbers,): how often another particle has got
-    a number.
+    a number. ``area``: of the fluid.
     """
 
     points: Any
@@ -65,6 +65,17 @@ class Insertion:
         """Return to the state before the start."""
         self.inserted = self.removed = 0
         self.passages = np.zeros(self.points.inside, dtype=int)
+
+    def begin(self, position: np.ndarray, time: float) -> None:
+        """Take note of the area that particles at ``position`` (n, 2), in the frame of the scene, fill at ``time``."""
+        self.area = float(np.square(self.problem.wanted_spacing.at(position, time)).sum())
+
+    def areas(self, position: np.ndarray, time: float) -> np.ndarray | None:
+        """Return the areas (n,) of particles at ``position`` (n, 2) in the frame of the scene; None with one spacing."""
+        if not self.points.graded:
+            return None
+        squares = np.square(self.problem.wanted_spacing.at(position, time))
+        return squares * (self.area / squares.sum())
 
     def due(self, step: int) -> bool:
         """Return whether particles are looked at after a number of steps."""
@@ -165,12 +176,13 @@ class Insertion:
 
     def state(self) -> dict[str, Any]:
         """Return the data that a resumed run needs."""
-        return {"insertion": [self.inserted, self.removed, self.passages.tolist()]} if self.points.graded else {}
+        numbers = [self.inserted, self.removed, self.area, self.passages.tolist()]
+        return {"insertion": numbers} if self.points.graded else {}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Restore the data of ``state``."""
         if self.points.graded:
-            self.inserted, self.removed, passages = state["insertion"]
+            self.inserted, self.removed, self.area, passages = state["insertion"]
             self.passages = np.array(passages)
 
 

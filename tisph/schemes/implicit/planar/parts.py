@@ -151,23 +151,26 @@ class Boundary:
         """Set the points on walls at ``time``, and all that depends on the distances of particles from walls."""
         points = self.levels.points
         if points.graded:
-            self.set_supports(view(points.position)[: points.fluid], np.ones(points.fluid), time)
+            relative = self.set_spacing(view(points.position)[: points.fluid], time)
+            self.set_supports(np.ones(points.fluid), relative)
 
-    def set_supports(self, positions: np.ndarray, factor: np.ndarray, time: float) -> np.ndarray | float:
-        """Set spacings at ``positions`` (points, 2) and ``time``, and supports by their ``factor`` (points,) near walls.
+    def set_spacing(self, positions: np.ndarray, time: float) -> np.ndarray:
+        """Set the spacings at ``positions`` (points, 2) and ``time``; return them over the largest one, (points,)."""
+        points, problem = self.levels.points, self.problem
+        if not points.graded:
+            return np.ones(points.fluid)
+        relative = problem.wanted_spacing.at(positions.astype(float) + problem.origin, time) / problem.spacing
+        points.set_spacing(relative)
+        return relative
 
-        Return the spacings over the largest one.
-        """
-        points, problem, relative = self.levels.points, self.problem, 1.0
+    def set_supports(self, factor: np.ndarray, relative: np.ndarray) -> None:
+        """Set the supports by their ``factor`` (points,) near walls and the ``relative`` spacing (points,)."""
+        points, spacing = self.levels.points, self.problem.spacing * relative
         if points.graded:
-            relative = problem.wanted_spacing.at(positions.astype(float) + problem.origin, time) / problem.spacing
-            points.set_spacing(relative)
-            growth = np.minimum(problem.growth * self.support, 1.0 / relative - 1.0)
+            growth = np.minimum(self.problem.growth * self.support, 1.0 / relative - 1.0)
             factor = factor * (1.0 + COARSE_SIDE * growth)
         view(self.levels.operators.support_factor)[: points.fluid] = factor * relative
-        reach = self.support * factor * relative * problem.spacing + SKIN * relative * problem.spacing
-        view(points.radius)[: points.fluid] = reach
-        return relative
+        view(points.radius)[: points.fluid] = self.support * factor * spacing + SKIN * spacing
 
     def set_rows(self) -> None:
         """Replace the Laplacian at the points on walls by the normal derivative."""

@@ -167,7 +167,7 @@ def problem_of(scene: FlowInBox) -> Problem:
         present = [body for body in scene.bodies if body.enters <= scene.start_time]
         kind = WallsOfRevolution if scene.axisymmetric else WallPoints
         periods = [size if periodic else np.inf for size, periodic in zip(scene.extent, scene.periodic, strict=True)]
-        walls = kind(present, scene.spacing, box.origin, periods)
+        walls = kind(present, scene.spacing, box.origin, periods, scene.wanted_spacing, scene.start_time)
     return Problem(
         **{each.name: getattr(box, each.name) for each in fields(box)},
         n_fluid=scene.particles,

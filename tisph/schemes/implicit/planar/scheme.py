@@ -145,7 +145,8 @@ class PlanarScheme(ControlledScheme):
 
         Polymers start without ``stress``.
         """
-        self.initial_momentum = float(velocity[:, 0].sum())
+        self.insertion.begin(position, self.time)
+        self.initial_momentum = self.momentum(position, velocity[:, 0])
         self.place(position, self.problem.unknowns(velocity, position[:, 1]), np.arange(len(position)))
         if self.problem.inertia:
             self.find_start()
@@ -454,6 +455,7 @@ class PlanarScheme(ControlledScheme):
         )
         stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
         x, y = problem.places(position)
+        area = self.insertion.areas(np.stack([x, y], axis=1), time)
         return Snapshot(
             t=time,
             step=self.steps,
@@ -463,7 +465,9 @@ class PlanarScheme(ControlledScheme):
             v=velocity[:, 1].copy(),
             w=velocity[:, 2].copy() if problem.axisymmetric else None,
             density=np.full(len(position), problem.density),
-            pressure=problem.density * (pressure if problem.open_ends else pressure - pressure.mean()),
+            pressure=problem.density
+            * (pressure if problem.open_ends else pressure - np.average(pressure, weights=area)),
+            area=area,
             **self.exchange.seen(boundary.seen(time, weights, offset)),
             velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
@@ -476,8 +480,17 @@ class PlanarScheme(ControlledScheme):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
         if self.boundary.bounded:  # forces of walls are in the samples
             return {}
-        gained = float(active(self.levels.fields)[:, 0].sum(dtype=float)) - self.initial_momentum
+        position = active(self.levels.position).astype(float) + self.problem.origin
+        gained = self.momentum(position, active(self.levels.fields)[:, 0]) - self.initial_momentum
         return {"change": self.problem.density * self.problem.spacing**2 * gained}
+
+    def momentum(self, position: np.ndarray, velocity: np.ndarray) -> float:
+        """Return the sum of the ``velocity`` (n,) of particles at ``position`` (n, 2), times areas where these vary.
+
+        Areas are over that of a particle of the largest spacing.
+        """
+        areas = self.insertion.areas(position, self.time)
+        return float((velocity if areas is None else velocity * areas / self.problem.spacing**2).sum(dtype=float))
 
     def numbers(self) -> dict[str, Any]:
         """Return the numbers of this scheme for ``summary.json``."""

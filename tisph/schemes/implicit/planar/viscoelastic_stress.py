@@ -209,7 +209,9 @@ class ViscoelasticStress(ExtraStress):
         states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
         elapsed = (weights.unit * weights.offsets)[:ORDER]
         if self.walls:
-            states[..., self.points.inside :] = self.walls.carried(states[..., self.points.inside :], elapsed, self.time)
+            states[..., self.points.inside :] = self.walls.carried(
+                states[..., self.points.inside :], elapsed, self.time
+            )
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
         self.state = np.einsum("a,acn->cn", weights.extrapolation(ORDER), states)
         self.jacobians = [None for _ in self.modes.laws]
@@ -308,7 +310,8 @@ class ViscoelasticStress(ExtraStress):
         d_dx, d_dy = (self.times_radius(gradient, self.radius) for gradient in gradients)
         squares = (d_dx**2 + (self.radius * d_dy) ** 2).T
         sums = [squares[:, part] @ weights[: part.stop - part.start] for part in self.modes.parts]
-        worst = np.max(sums, axis=0)
+        relative = view(self.points.relative_spacing)[all_points] if self.points.graded else 1.0
+        worst = np.max(sums, axis=0) * np.square(relative, dtype=float)
         index = int(np.argmax(np.where(np.isnan(worst), np.inf, worst)))
         where = view(self.points.position)[index] + self.origin
         return self.spacing * math.sqrt(worst[index]), *where.tolist()

@@ -237,13 +237,15 @@ class WallBoundary(Boundary):
         positions[self.slots] = position % [self.problem.length, self.problem.height]
         positions = positions[: self.points.fluid]
         planes, distances, curvatures = self.walls.nearest_walls(positions, time)
+        relative = self.set_spacing(positions, time)
         if self.operators.curved:
-            polar = self.walls.polar_map(positions, planes, distances, curvatures)
+            spacing = self.problem.spacing * relative
+            polar = self.walls.polar_map(positions, planes, distances, curvatures, spacing)
             view(self.operators.polar_map)[: self.points.fluid] = polar
         view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
-        self.set_supports(positions, self.support_factors(positions, distances), time)
+        self.set_supports(self.support_factors(positions, distances / relative[:, None]), relative)
         for part in self.parts:
-            part.approach(distances)
+            part.approach(distances / relative[:, None])
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.spacing:
             self.set_grid(time)
@@ -256,7 +258,10 @@ class WallBoundary(Boundary):
         self.velocity = velocity
 
     def support_factors(self, positions: np.ndarray, distances: np.ndarray) -> np.ndarray:
-        """Return the factors (points,) of the supports at ``positions`` with these ``distances`` from walls."""
+        """Return the factors (points,) of the supports at ``positions`` with these ``distances`` from walls.
+
+        Distances are over the relative spacing of a point.
+        """
         factor = self.walls.support_factor(distances, self.support)
         factor[self.slots] += POINT_SUPPORT / self.support
         for part in self.parts:

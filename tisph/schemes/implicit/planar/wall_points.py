@@ -348,21 +348,27 @@ class WallPoints:
             near = (foot.distance < CURVED * self.spacing) & (result >= 0.0)
             apart = foot.point[near][:, None] - boundary.point
             apart -= self.bodies[number].nearest_copy(apart)
-            weight = np.maximum(1.0 - (apart**2).sum(axis=2) / (ALONG * self.spacing) ** 2, 0.0) ** 2
+            along = ALONG * self.spacings[self.parts[number]]
+            weight = np.maximum(1.0 - (apart**2).sum(axis=2) / along**2, 0.0) ** 2
             result[near] = weight @ bulging / np.maximum(weight.sum(axis=1), 1e-300)  # 0 beyond the ends of a wall
         return result
 
     def polar_map(
-        self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray, curvatures: np.ndarray
+        self,
+        place: np.ndarray,
+        planes: np.ndarray,
+        distances: np.ndarray,
+        curvatures: np.ndarray,
+        spacing: np.ndarray,
     ) -> np.ndarray:
-        """Return the ``polar_map`` of operators (n, 2) at positions (n, 2).
+        """Return the ``polar_map`` of operators (n, 2) at positions (n, 2) with this ``spacing`` (n,).
 
         It is the conjugate inverse of the vector from the centre of curvature.
         """
         normal, distance, curvature = planes[:, 0, :2], distances[:, 0], curvatures[:, 0]
         radius = 1.0 / np.where(curvature, curvature, 1e-30) + distance
-        least = self.spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
-        curved = (curvature != 0.0) & (distance < CURVED * self.spacing) & (radius * np.sign(curvature) > least)
+        least = spacing * np.where(curvature > 0.0, LEAST_RADIUS, LEAST_INSIDE)
+        curved = (curvature != 0.0) & (distance < CURVED * spacing) & (radius * np.sign(curvature) > least)
         return np.where(curved, 1.0 / radius, 0.0)[:, None] * normal * [1.0, -1.0]
 
     def mirrors(self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray) -> np.ndarray:
@@ -374,7 +380,10 @@ class WallPoints:
         return np.stack([2.0 * d_dx[0], d_dy[0] + d_dx[1], 2.0 * d_dy[1]])
 
     def support_factor(self, distances: np.ndarray, support: float) -> np.ndarray:
-        """Return the factor (n,) by which a ``support``, in spacings, is wider at ``distances`` (n, walls)."""
+        """Return the factor (n,) by which a ``support``, in spacings, is wider at ``distances`` (n, walls).
+
+        Distances are over the relative spacing of a point.
+        """
         near = np.clip(1.0 - distances / (WALL_DISTANCE * self.spacing), 0.0, 1.0).sum(axis=1)
         return 1.0 + WALL_SUPPORT / support * near
 
@@ -395,7 +404,6 @@ class WallsOfRevolution(WallPoints):
         start: float = 0.0,
     ) -> None:
         super().__init__(bodies, spacing, origin, periods, wanted, start)
-        self.near_axis = NEAR_AXIS * spacing
         steepest = [np.abs(outline.normal[:, 0]).max() for outline in self.outlines]
         walls = [not isinstance(body, OpenEnd) for body in bodies]
         self.across_axis = max(itertools.compress(steepest, walls)) > 0.5
@@ -484,11 +492,16 @@ class WallsOfRevolution(WallPoints):
         return np.array([np.average(values[part], weights=area[part]) for part in self.parts])
 
     def polar_map(
-        self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray, curvatures: np.ndarray
+        self,
+        place: np.ndarray,
+        planes: np.ndarray,
+        distances: np.ndarray,
+        curvatures: np.ndarray,
+        spacing: np.ndarray,
     ) -> np.ndarray:
         """Return the ``polar_map`` of ``WallPoints``; 0 near the axis, where operators are of even functions."""
-        away = place[:, 1] + self.origin[1] > self.near_axis
-        return away[:, None] * super().polar_map(place, planes, distances, curvatures)
+        away = place[:, 1] + self.origin[1] > NEAR_AXIS * spacing
+        return away[:, None] * super().polar_map(place, planes, distances, curvatures, spacing)
 
     def mirrors(self, place: np.ndarray, planes: np.ndarray, distances: np.ndarray) -> np.ndarray:
         """Return the planes of ``WallPoints``, with the axis in place of the last wall where it is nearer."""

@@ -240,8 +240,8 @@ class LeastSquaresOperators:
         """Return the area of point ``j`` over that of particle ``i``, 1 with one spacing."""
         result = 1.0
         if ti.static(self.points.graded):
-            if j != self.points.sentinel:
-                result = (self.points.relative(j) / self.points.relative(i)) ** 2
+            known = ti.min(j, self.points.capacity - 1)  # the sentinel has none, and the weight 0
+            result = (self.points.relative(known) / self.points.relative(i)) ** 2
         return result
 
     @ti.func

@@ -5,8 +5,8 @@ A regular auxiliary grid does not follow such points. The graph of the 8 nearest
     w_ij = h_i h_j / (2 r_ij^2)
 
 of the pairs, h being the spacings and r_ij the distance: sum_j w_ij (p_j - p_i) is h_i^2 times the Laplacian on a
-lattice, where 4 neighbours are at h and 4 at sqrt(2) h. The matrix is symmetric, singular by constants alone, and sparse:
-its factors are computed anew when points have moved by ``STALE`` of their spacing, or others are there.
+lattice, where 4 neighbours are at h and 4 at sqrt(2) h. The matrix is symmetric, and singular by constants alone. Its
+factors are computed anew when points have moved by ``STALE`` of their spacing, or others are there.
 """
 
 from collections.abc import Callable
@@ -28,21 +28,27 @@ STALE = 0.5
 
 @ti.data_oriented
 class PointLaplacian:
-    """The Laplacian on all ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid``: its nodes are the points.
+    """The Laplacian on the ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid`` whose nodes they are.
 
     ``outlet``: first slot of the points at which the pressure is known, a field; None without any. ``place`` (points,
-    2): positions that the factors belong to.
+    2) and ``spacing`` (points,): positions and spacings that the factors belong to.
     """
 
     def __init__(self, points: PointCloud, box: Any) -> None:
         self.points, self.box = points, box
         self.rows, self.columns = points.particles, integer(1)
         self.outlet: Any = None
+        self.parts = {"laplacian": self}
         self.forget()
 
     def forget(self) -> None:
         """Forget the factors: others are needed where points have other numbers."""
-        self.place, self.factors = np.empty((0, 2)), None
+        self.make_room()
+
+    def make_room(self) -> None:
+        """Make room for the positions and spacings that the factors of a checkpoint belong to."""
+        self.place, self.spacing = np.full((self.points.fluid, 2), np.nan), np.ones(self.points.fluid)
+        self.factors: Any = None
 
     def nodes(self, kind: Any) -> Any:
         """Return a field of this ``kind`` for each node."""
@@ -55,21 +61,18 @@ class PointLaplacian:
         """Compute the factors, if those there are belong to points too far from the present ones."""
         present = view(self.points.position)[: self.points.fluid].astype(float)
         spacing = self.box.spacing * view(self.points.relative_spacing)[: self.points.fluid].astype(float)
-        if len(self.place) == len(present):
-            moved = np.hypot(*nearest_image(present - self.place, (self.box.length, self.box.height)).T)
-            if (moved < STALE * spacing).all():
-                if self.factors is None:  # of a resumed run
-                    self.factorise(spacing)
-                return
-        self.place = present
-        self.factorise(spacing)
+        moved = np.hypot(*nearest_image(present - self.place, (self.box.length, self.box.height)).T)
+        if not (moved < STALE * spacing).all():
+            self.place, self.spacing, self.factors = present, spacing, None
+        if self.factors is None:  # a resumed run has those of earlier positions
+            self.factorise()
 
-    def factorise(self, spacing: np.ndarray) -> None:
-        """Assemble and factorise the matrix of the points at ``place`` with this ``spacing`` (points,)."""
+    def factorise(self) -> None:
+        """Assemble and factorise the matrix of the points at ``place`` with their ``spacing`` (points,)."""
         from scipy.sparse import diags, identity
         from scipy.sparse.linalg import splu
 
-        graph = self.graph(spacing)
+        graph = self.graph()
         if self.box.axisymmetric:
             radius = self.place[:, 1] + self.box.origin[1]
             graph.data *= 0.5 * (radius[graph.row] + radius[graph.col]) / radius[graph.row]
@@ -79,12 +82,12 @@ class PointLaplacian:
         floating = FLOATING * matrix.diagonal().max() * identity(self.last, format="csc")
         self.factors = splu(matrix + floating, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
 
-    def graph(self, spacing: np.ndarray) -> Any:
+    def graph(self) -> Any:
         """Return the weights of all pairs, a sparse matrix (points, points), over the square of the largest spacing."""
         from scipy.sparse import coo_matrix
         from scipy.spatial import cKDTree
 
-        n = len(self.place)
+        n, spacing = len(self.place), self.spacing
         distance, nearest = cKDTree(self.place, boxsize=(self.box.length, self.box.height)).query(
             self.place, NEAREST + 1
         )

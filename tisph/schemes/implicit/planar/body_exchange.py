@@ -152,12 +152,12 @@ class BodyExchange:
                 text = f"x: the body that enters at ({x:.4g}, {y:.4g}), t = {time:.4g}, has another one in its way"
                 raise DivergedError(f"{text}: let it enter later, or elsewhere")
 
-    def restore_parts(self, parts: Sequence[BoundaryPart], state: Mapping[str, Any], particles: Particles) -> None:
+    def restore_parts(self, parts: Sequence[BoundaryPart], state: Mapping[str, Any]) -> None:
         """Give the ``parts`` of the new boundary what they need of the ``host_state`` of the old one."""
         motions = [body.motion.state() for body in self.in_fluid if body.free]  # type: ignore[union-attr]
         free = {"motions": motions, "contact": [[], *state.get("free", {"contact": [0, 0, 0.0, 0.0]})["contact"][1:]]}
         for part in parts:
-            part.restore_host_state({**state, "passages": particles.passages, "free": free})
+            part.restore_host_state({**state, "free": free})
 
     def seen(self, seen: Mapping[str, Any]) -> Mapping[str, Any]:
         """Return what is ``seen`` of the bodies that are present as numbers of all: NaN of those that are not."""

@@ -1,13 +1,14 @@
-"""Particles that are removed where they crowd and inserted where they are sparse, so that they follow the wanted spacing.
+"""Particles that are removed where they crowd and inserted where they are sparse, to follow the wanted spacing.
 
 Of each particle i with the spacing h_i the filling is
 
     f_i = (1 + sum_j W(r_ij / (R (h_i + h_j)/2))) 7/(pi R^2) / (1 - b_i),    W(q) = (1 - q)^4 (1 + 4 q),
 
-1 on a lattice whose spacing is the wanted one; b_i is the part of the integral of W beyond the nearest wall. It scatters
-with the arrangement: means of it, with the weights W, count. Where one is above 1 + ``BAND`` the particle is removed; where
-one is below 1 - ``BAND`` a particle is inserted beside it, at the place that is farthest from all others. Within two
-spacings one particle is removed or inserted at a time. Shifting evens out the rest.
+1 on a lattice whose spacing is the wanted one; b_i is the part of the integral of W beyond the nearest wall. It
+scatters with the arrangement: means of it, with the weights W, count. Where one is above 1 + ``BAND`` the particle is
+removed; where one is below 1 - ``BAND`` a particle is inserted beside it, at the place that is farthest from all
+others. Within two spacings one particle is removed or inserted at a time. Shifting evens out the rest. Where the
+spacing is the largest one, as many particles flow in as out, and none is removed or inserted.
 
 A particle that is inserted takes all its time levels from polynomials of degree 4 through the points around it, of a
 polymer the logarithm of the conformation. So its values have errors of the order h^5, below those of a shift.
@@ -32,7 +33,7 @@ BAND = 0.2
 """Deviation of the mean filling from 1 from which on particles are removed or inserted."""
 
 INTERVAL = 4
-"""Steps from one search to the next: particles move about a spacing meanwhile, in which the spacing grows by a tenth."""
+"""Steps from one search to the next: meanwhile particles move about a spacing, and the wanted one by a tenth."""
 
 APART = 2.0
 """Least distance, in spacings, of two particles that are removed or inserted at the same time."""
@@ -45,15 +46,26 @@ BESIDE = np.array([0.5, 0.7, 0.9])[:, None, None] * np.stack(
 FROM_WALLS = 0.4
 """Least distance of a particle that is inserted from a wall, in spacings."""
 
-ROWS = 10_000
-"""Particles whose neighbours are looked at together."""
+
+def part_beyond(distance: np.ndarray) -> np.ndarray:
+    """Return the part (n,) of the integral of W beyond a plane at a ``distance`` (n,) in radii of the kernel."""
+    nodes, weights = np.polynomial.legendre.leggauss(32)
+    x = distance[:, None] + (1.0 - distance[:, None]) * 0.5 * (1.0 + nodes)
+    height = np.sqrt(1.0 - x**2)[..., None]
+    radius = np.sqrt(x[..., None] ** 2 + (height * 0.5 * (1.0 + nodes)) ** 2)
+    kernel = (1.0 - radius) ** 4 * (1.0 + 4.0 * radius)
+    across = (kernel * weights).sum(axis=2) * height[..., 0]  # both halves, each of height/2
+    return 7.0 / math.pi * (across * weights).sum(axis=1) * 0.5 * (1.0 - distance)
+
+
+PART_BEYOND = np.linspace(0.0, 1.0, 65), part_beyond(np.linspace(0.0, 1.0, 65))
+"""Distances in radii of the kernel, and the parts b beyond."""
 
 
 class Insertion:
     """Insertion and removal of the particles of a ``problem``, with the ``points``, a ``PointCloud``, of its scheme.
 
-    ``inserted`` and ``removed``: numbers of particles so far. ``passages`` (numbers,): how often another particle has got
-    a number. ``area``: of the fluid.
+    ``inserted`` and ``removed``: numbers of particles so far. ``area``: of the fluid.
     """
 
     points: Any
@@ -64,14 +76,13 @@ class Insertion:
     def reset(self) -> None:
         """Return to the state before the start."""
         self.inserted = self.removed = 0
-        self.passages = np.zeros(self.points.inside, dtype=int)
 
     def begin(self, position: np.ndarray, time: float) -> None:
         """Take note of the area that particles at ``position`` (n, 2), in the frame of the scene, fill at ``time``."""
         self.area = float(np.square(self.problem.wanted_spacing.at(position, time)).sum())
 
     def areas(self, position: np.ndarray, time: float) -> np.ndarray | None:
-        """Return the areas (n,) of particles at ``position`` (n, 2) in the frame of the scene; None with one spacing."""
+        """Return the areas (n,) of particles at ``position`` (n, 2), as in ``begin``; None with one spacing."""
         if not self.points.graded:
             return None
         squares = np.square(self.problem.wanted_spacing.at(position, time))
@@ -86,7 +97,6 @@ class Insertion:
         particles.keep(np.delete(np.arange(len(particles.number)), crowded))
         particles.add(places, values)
         particles.renumber()
-        self.passages = particles.passages
         self.inserted, self.removed = self.inserted + len(places), self.removed + len(crowded)
 
     def values(self, position: np.ndarray, fields: list[np.ndarray], places: np.ndarray) -> list[np.ndarray]:
@@ -111,7 +121,7 @@ class Insertion:
         inside = self.points.inside
         fluid = position[:inside]
         spacing = self.problem.wanted_spacing.at(fluid + self.problem.origin, time)
-        filling = self.filling(position, spacing, time)
+        filling = np.where(spacing < self.problem.spacing, self.filling(position, spacing, time), 1.0)
         order = np.argsort(-np.abs(filling - 1.0), kind="stable")
         order = order[np.abs(filling[order] - 1.0) > BAND]
         chosen: list[int] = []
@@ -141,29 +151,26 @@ class Insertion:
         beyond = np.zeros(inside)
         if self.problem.walls:
             distance = self.problem.walls.distance(position[:inside], time, self.problem.bodies)
-            beyond = part_beyond(distance / (REACH * spacing))
-        found, parts = np.empty(inside), []
-        for first in range(0, inside, ROWS):
-            rows = slice(first, min(first + ROWS, inside))
-            other, weight = self.neighbours(rows, position, spacing)
-            found[rows] = 1.0 + weight.sum(axis=1)
-            parts.append((rows, other, weight))
-        found *= 7.0 / (math.pi * REACH**2) / (1.0 - beyond)
-        mean = np.empty(inside)
-        for rows, other, weight in parts:
-            mean[rows] = (found[rows] + (weight * found[other]).sum(axis=1)) / (1.0 + weight.sum(axis=1))
-        return mean
+            if self.problem.axisymmetric and not self.problem.annular:
+                distance = np.minimum(distance, position[:inside, 1] + self.problem.origin[1])
+            beyond = np.interp(distance / (REACH * spacing), *PART_BEYOND)
+        here, there = self.pairs()
+        apart = nearest_image(position[there] - position[here], self.periods)
+        reach = 0.5 * REACH * (spacing[here] + spacing[there])
+        nearness = np.maximum(1.0 - np.hypot(*apart.T) / reach, 0.0)
+        weight = nearness**4 * (5.0 - 4.0 * nearness)
+        total = 1.0 + np.bincount(here, weight, inside)
+        found = 7.0 / (math.pi * REACH**2) * total / (1.0 - beyond)
+        return (found + np.bincount(here, weight * found[there], inside)) / total
 
-    def neighbours(self, rows: slice, position: np.ndarray, spacing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the neighbours (rows, many) of particles among the particles, and W, 0 for those that are none."""
-        entries, listed = self.points.rows_of(rows)
-        other = view(self.points.neighbours)[entries]
-        listed &= other < self.points.inside
-        other = np.where(listed, other, 0)
-        apart = nearest_image(position[other] - position[rows][:, None], self.periods)
-        mean = 0.5 * REACH * (spacing[rows][:, None] + spacing[other])
-        nearness = np.maximum(1.0 - np.sqrt((apart**2).sum(axis=2)) / mean, 0.0)
-        return other, np.where(listed, nearness**4 * (5.0 - 4.0 * nearness), 0.0)
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the pairs of neighbours among the particles: indices of both, (pairs,) each."""
+        begin, end = (view(each)[: self.points.inside] for each in (self.points.begin, self.points.end))
+        count = end - begin
+        entries = np.repeat(end - np.cumsum(count), count) + np.arange(count.sum())
+        here, there = np.repeat(np.arange(len(count)), count), view(self.points.neighbours)[entries]
+        among = there < self.points.inside
+        return here[among], there[among]
 
     def numbers(self) -> Mapping[str, Any]:
         """Return the numbers of particles that were inserted and removed, for ``summary.json``."""
@@ -176,23 +183,9 @@ class Insertion:
 
     def state(self) -> dict[str, Any]:
         """Return the data that a resumed run needs."""
-        numbers = [self.inserted, self.removed, self.area, self.passages.tolist()]
-        return {"insertion": numbers} if self.points.graded else {}
+        return {"insertion": [self.inserted, self.removed, self.area]} if self.points.graded else {}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Restore the data of ``state``."""
         if self.points.graded:
-            self.inserted, self.removed, self.area, passages = state["insertion"]
-            self.passages = np.array(passages)
-
-
-def part_beyond(distance: np.ndarray) -> np.ndarray:
-    """Return the part (n,) of the integral of W beyond a plane at a ``distance`` (n,) in radii of the kernel."""
-    nodes, weights = np.polynomial.legendre.leggauss(16)
-    low = np.clip(distance, 0.0, 1.0)[:, None]
-    x = low + (1.0 - low) * 0.5 * (1.0 + nodes)
-    height = np.sqrt(1.0 - x**2)[..., None]
-    radius = np.sqrt(x[..., None] ** 2 + (height * 0.5 * (1.0 + nodes)) ** 2)
-    kernel = np.maximum(1.0 - radius, 0.0) ** 4 * (1.0 + 4.0 * radius)
-    across = (kernel * weights).sum(axis=2) * height[..., 0]  # both halves, each of height/2
-    return 7.0 / math.pi * (across * weights).sum(axis=1) * 0.5 * (1.0 - low[:, 0])
+            self.inserted, self.removed, self.area = state["insertion"]

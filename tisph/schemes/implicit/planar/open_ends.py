@@ -61,7 +61,7 @@ UNJUDGED = 5.0
 """Distance from an end, in particle spacings, up to which supports are wider and errors of steps do not count; and that
 of particles from one that enters, up to which they matter to it."""
 
-KEPT = "outlet_velocity", "v_slope", "passages", "due", "squares"
+KEPT = "outlet_velocity", "v_slope", "due", "squares"
 """Arrays that a checkpoint keeps."""
 
 DEGREE, OUTLET_DEGREE, AROUND = 4, 3, {4: 40, 3: 30}
@@ -133,7 +133,6 @@ class OpenEnds(BoundaryPart):
         self.pressure_gradient = float(np.ptp(self.given_pressure) / np.ptp(problem.open_ends))
         self.outlet = integer(0)
         self.outflows: list[list[float]] = []
-        self.passages = np.zeros(self.points.inside, dtype=int)
         self.replaced: tuple[np.ndarray, list[np.ndarray], np.ndarray] | None = None
         self.solid = [body for body in walls.bodies if not isinstance(body, OpenEnd)]
         self.due = np.zeros(sum(len(part) for _, part in self.ends))
@@ -169,7 +168,6 @@ class OpenEnds(BoundaryPart):
         """Return to the state before the start, at ``time``."""
         self.replaced = None
         self.due = np.full(len(self.due), 0.5)  # the first layer has come half a spacing from where it would enter
-        self.passages[...] = 0
         self.outflows = []
         self.outlet_velocity = np.zeros((len(self.of_outlet), self.levels.components))
         self.v_slope = np.zeros(len(self.of_inlets))
@@ -342,7 +340,7 @@ class OpenEnds(BoundaryPart):
         self.store_ends()
         self.measure_parts()
         if self.replaced:
-            self.passages[view(self.levels.number)[self.replaced[0]]] += 1
+            self.levels.passages[view(self.levels.number)[self.replaced[0]]] += 1
         self.replaced = None
 
     def compared(self, groups: list[list[int]]) -> list[list[int]]:
@@ -366,7 +364,7 @@ class OpenEnds(BoundaryPart):
         inlets = [body for body, _ in self.ends if isinstance(body, Inlet)]
         inflows = [float(inlet.course.velocity(time)) * inlet.area for inlet in inlets]
         rates = np.array([*inflows, *np.negative(outflows)])
-        return {"flow_rates": rates, "backflow": max(0.0, float(backflow)), "passages": self.passages.copy()}
+        return {"flow_rates": rates, "backflow": max(0.0, float(backflow))}
 
     def measure_outflow(self) -> None:
         """Store the flow rates out of the outlets, integrals of cubic splines, and the largest backflow.

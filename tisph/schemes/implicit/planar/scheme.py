@@ -139,6 +139,7 @@ class PlanarScheme(ControlledScheme):
         self.stress_resolution: Any = None
         self.boundary.reset()
         self.insertion.reset()
+        self.levels.passages[...] = 0
 
     def start(self, position: np.ndarray, velocity: np.ndarray, stress: np.ndarray | None = None) -> None:
         """Place the particles, at (particles, 2), and find the pressure of their velocities (particles, components).
@@ -228,12 +229,13 @@ class PlanarScheme(ControlledScheme):
             self.control.notice_scatter(error, self.roughness)
         self.accept_step(dt)
 
-    def particles_with(self, fields: Sequence[np.ndarray], passages: np.ndarray) -> tuple[Particles, list[np.ndarray]]:
+    def particles_with(self, fields: Sequence[np.ndarray]) -> tuple[Particles, list[np.ndarray]]:
         """Return the particles with ``fields`` (points, ...), and the values of these at the points on walls."""
         fluid, levels = slice(self.points.inside), self.levels
         place = active(levels.position)[fluid].astype(float) + np.array(self.problem.origin)
         values = [field.astype(float) for field in fields]
-        particles = Particles(place, [value[fluid] for value in values], active(levels.number)[fluid].copy(), passages)
+        number = active(levels.number)[fluid].copy()
+        particles = Particles(place, [value[fluid] for value in values], number, levels.passages)
         return particles, [value[self.boundary.slots] for value in values]
 
     def renew_particles(self) -> None:
@@ -244,7 +246,7 @@ class PlanarScheme(ControlledScheme):
             return
         carried = [levels.fields, levels.divergence, *self.extra_stress.fields]
         fields = [active(field).reshape(self.points.fluid, -1) for field in carried]
-        particles, on_walls = self.particles_with(fields, self.insertion.passages)
+        particles, on_walls = self.particles_with(fields)
         values = self.insertion.values(position, fields, places)
         walls = position[self.boundary.slots]
         self.insertion.change(particles, crowded, places + self.problem.origin, values)
@@ -254,18 +256,20 @@ class PlanarScheme(ControlledScheme):
             active(field)[...] = np.concatenate([of_particles, others]).reshape(active(field).shape)
         active(levels.position)[...] = np.concatenate([particles.position - self.problem.origin, walls])
         active(levels.number)[: self.points.inside] = particles.number
+        levels.passages = particles.passages
         self.grid.forget()
 
     def exchange_bodies(self) -> None:
         """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""
         problem, levels, state = self.problem, self.levels, self.boundary.host_state()
         fields = [active(levels.fields)[:, : levels.components], *map(active, self.extra_stress.fields)]
-        particles, walls_before = self.particles_with(fields, np.array(state["passages"]))
+        particles, walls_before = self.particles_with(fields)
         new, on_walls = self.exchange.exchange(problem, particles, walls_before, self.time)
         self.build(new)
         boundary = self.boundary
         assert isinstance(boundary, WallBoundary)
-        self.exchange.restore_parts(boundary.parts, state, particles)
+        self.exchange.restore_parts(boundary.parts, state)
+        self.levels.passages = particles.passages
         self.dts, self.output_cache = [], None
         self.place(particles.position, particles.fields[0], particles.number)
         boundary.newest_velocities[boundary.slots] = on_walls[0]
@@ -468,6 +472,7 @@ class PlanarScheme(ControlledScheme):
             pressure=problem.density
             * (pressure if problem.open_ends else pressure - np.average(pressure, weights=area)),
             area=area,
+            passages=levels.passages.copy() if problem.open_ends or self.points.graded else None,
             **self.exchange.seen(boundary.seen(time, weights, offset)),
             velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
@@ -507,7 +512,7 @@ class PlanarScheme(ControlledScheme):
 
     def parts(self) -> dict[str, Any]:
         """Return everything whose fields a resumed run needs, by name."""
-        return {"levels": self.levels, **self.extra_stress.parts}
+        return {"levels": self.levels, **self.extra_stress.parts, **self.grid.parts}
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
@@ -524,6 +529,8 @@ class PlanarScheme(ControlledScheme):
             walls = problem.walls.of_bodies(self.exchange.in_fluid)
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
         self.points.resize(state["bodies"]["particles"])
+        self.levels.passages = np.zeros(self.points.inside, dtype=int)
+        self.grid.make_room()
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""

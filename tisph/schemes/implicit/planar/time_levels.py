@@ -327,7 +327,8 @@ class TimeLevels:
     ``fastest``: largest newest velocity that moves a particle, relative to the mean where particles are
     ``carried_along``; ``largest``: the same with the velocity around the axis; ``fastest_relative``: the largest one
     over the relative spacing of its particle. ``number`` (fluid): number of a particle
-    at the start, as their order in memory changes.
+    at the start, as their order in memory changes. ``passages`` (particles,): how often the fluid of a number has left,
+    and other fluid has taken its place.
 
     """
 
@@ -342,6 +343,7 @@ class TimeLevels:
         self.fields = self.points.count(ti.field(kind, self.points.slots + 1))
         self.divergence = self.points.field(real())
         self.number = self.points.field(ti.i32)
+        self.passages = np.zeros(self.points.inside, dtype=int)
         self.d_dx, self.d_dy = (ti.field(kind, self.points.slots + 1) for _ in range(2))
         self.d_dx.used = self.d_dy.used = None
         self.step_weights = holding(ti.field(real(), VELOCITIES), 0.0)

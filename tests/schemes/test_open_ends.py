@@ -157,7 +157,7 @@ def test_particles_pass_evenly_and_as_many_as_flow_in():
             if simulation.time > 1.0:
                 counts, steps = counts + np.histogram(simulation.state.x, columns)[0], steps + 1
         ends = simulation.scheme.boundary.parts[-1]
-        entered, due = ends.passages.sum(), ends.due.sum() - 0.5 * len(ends.due)  # at first half a particle
+        entered, due = ends.levels.passages.sum(), ends.due.sum() - 0.5 * len(ends.due)  # at first half a particle
     middles = (np.arange(12) + 0.5) / 12
     assert entered + due == pytest.approx(5.0 * parabola(middles).sum() / 12 / scene.spacing**2, rel=1e-9)  # rounding
     density = counts / steps * scene.spacing**2 / (columns[1] * 1.0)
@@ -171,12 +171,12 @@ def test_particles_pass_evenly_and_as_many_as_flow_in():
 def test_a_rejected_step_leaves_no_trace():
     with tisph.Simulation(CHANNEL) as simulation:
         scheme, boundary, ends = simulation.scheme, simulation.scheme.boundary, simulation.scheme.boundary.parts[-1]
-        while not (simulation.finished or ends.passages.any()):
+        while not (simulation.finished or ends.levels.passages.any()):
             simulation.step()
 
         def state():
             fields = [view(field)[: scheme.problem.n_fluid].copy() for field in boundary.carried_fields]
-            return [*fields, ends.due.copy(), ends.passages.copy()]
+            return [*fields, ends.due.copy(), ends.levels.passages.copy()]
 
         before = state()
         scheme.attempt(0.05)  # in which the fastest fluid passes half a spacing

@@ -51,6 +51,9 @@ class AuxiliaryGrid:
     parts: Mapping[str, Any] = {}
     """Objects whose arrays a resumed run needs, by name."""
 
+    outlet: Any = None
+    """Field with the first slot of the points at an open end at which the pressure is known; None without any."""
+
     def forget(self) -> None:
         """Take note that points have other numbers."""
 
@@ -327,6 +330,10 @@ class TwoLevel:
         self.solver, self.grid, self.walls, self.points = solver, grid, walls, solver.points
         self.smooth = ti.field(solver.kind, solver.points.slots + 1)
         self.nodes = grid.nodes(solver.kind)
+
+    def forget(self) -> None:
+        """Take note that points have other numbers."""
+        view(self.smooth)[...] = 0.0
 
     def apply(self) -> None:
         """Apply one cycle of the preconditioner to the solver's ``input``."""

@@ -105,6 +105,10 @@ class BiCGStab:
             self.remove_mean()
         return bool(norm <= limit)
 
+    def forget(self) -> None:
+        """Take note that points have other numbers: right sides and corrections of those without unknowns are 0."""
+        view(self.b)[...] = view(self.correction)[...] = 0.0
+
     @ti.func
     def update_ghosts(self, values: ti.template(), particles):
         """Set the ``values`` of the ghosts from the values of the particles."""

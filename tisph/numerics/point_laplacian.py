@@ -30,8 +30,7 @@ STALE = 0.5
 class PointLaplacian:
     """The Laplacian on the ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid`` whose nodes they are.
 
-    ``outlet``: first slot of the points at which the pressure is known, a field; None without any. ``place`` (points,
-    2) and ``spacing`` (points,): positions and spacings that the factors belong to.
+    ``outlet``: see ``AuxiliaryGrid``. ``place`` (points, 2) and ``spacing`` (points,): positions and spacings that the factors belong to.
     """
 
     def __init__(self, points: PointCloud, box: Any) -> None:

@@ -102,6 +102,11 @@ class Equations:
     def assemble(self) -> None:
         """Set the matrices of the present operators."""
 
+    def forget(self) -> None:
+        """Take note that points have other numbers."""
+        for solver in (self.pressure, self.velocity, self.for_pressure):
+            solver.forget()
+
     def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
         """Solve for velocity and pressure in outer iteration number ``outer``; return whether it was possible."""
         raise NotImplementedError

@@ -81,7 +81,7 @@ class FlowRateControl(Coupling):
         self.sources, self.residual = np.zeros(len(self.sections) + 1), None
         self.slab = np.searchsorted(self.along * self.sections, self.along * positions[:fluid, 0])
         sizes = problem.circumferences(positions[:fluid, 1])
-        areas = np.bincount(self.slab, sizes, len(self.sections) + 1)
+        areas = np.bincount(self.slab, sizes * self.levels.points.areas, len(self.sections) + 1)
         self.area = np.maximum(areas, sizes.min()) * problem.spacing**2
 
     def place_sections(self, positions: np.ndarray, time: float) -> None:

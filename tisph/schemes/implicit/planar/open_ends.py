@@ -189,12 +189,15 @@ class OpenEnds(BoundaryPart):
         widest = 1.0 + (MAX_WALLS * WALL_SUPPORT + POINT_SUPPORT) / self.boundary.support
         return np.minimum(factor + END_SUPPORT / self.boundary.support * near, widest)
 
+    def approach(self, distances: np.ndarray) -> None:
+        """Take note of the first slot of the points at outlets, which changes with the number of particles."""
+        view(self.outlet)[()] = self.first
+
     def set_rows(self) -> None:
         """Set the rows of the points; at the outlet u = sum_k w_k (u_k - du/dx x_k), w being fits with that slope.
 
         The one-sided derivative itself has next to no part of u where no particle is near, and would not give it.
         """
-        view(self.outlet)[()] = self.first
         chosen = np.arange(self.first, self.points.fluid)
         entries, listed = self.points.rows_of(chosen)
         table = view(self.points.neighbours)[entries]
@@ -397,7 +400,8 @@ class OpenEnds(BoundaryPart):
             slopes[1][:, 0] *= radius
             slopes[1][:, 1] = radius**2 * slopes[1][:, 1] + across
         gradient = sum((slope**2).sum(axis=1) for slope in slopes)
-        squares = view(levels.divergence)[fluid].astype(float) ** 2, gradient, None
+        areas = np.broadcast_to(self.points.areas, gradient.shape)
+        squares = areas * view(levels.divergence)[fluid].astype(float) ** 2, areas * gradient, areas
         self.squares = np.stack([np.bincount(part, each) for each in squares], axis=1)
 
     def store_ends(self) -> None:

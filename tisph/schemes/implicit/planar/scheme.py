@@ -122,6 +122,7 @@ class PlanarScheme(ControlledScheme):
         self.boundary, self.couplings = boundary_of(
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
+        self.grid.outlet = self.boundary.outlet
         parts = self.grid, self.boundary, self.extra_stress
         residuals = limits.residuals(self.tolerance, rounding, bool(problem.open_ends))
         self.equations: Equations = (
@@ -258,6 +259,7 @@ class PlanarScheme(ControlledScheme):
         active(levels.number)[: self.points.inside] = particles.number
         levels.passages = particles.passages
         self.grid.forget()
+        self.equations.forget()
 
     def exchange_bodies(self) -> None:
         """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""

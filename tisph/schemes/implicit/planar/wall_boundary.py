@@ -297,7 +297,7 @@ class WallBoundary(Boundary):
     @property
     def newest_velocities(self) -> np.ndarray:
         """Newest velocities (points, components) of particles and points, in place, without the flow in corners."""
-        return active(self.levels.fields)[: self.problem.particles, : self.levels.components]
+        return active(self.levels.fields)[:, : self.levels.components]
 
     @property
     def fluid_velocity(self) -> np.ndarray:

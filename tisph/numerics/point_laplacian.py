@@ -22,6 +22,9 @@ from tisph.runtime import integer, ti, view
 NEAREST = 8
 """Neighbours of a point in the graph."""
 
+SYMMETRIC: Any = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
+"""Options of the factors of a matrix with a symmetric pattern: a third of the entries of others."""
+
 STALE = 0.5
 """Displacement of a point, over its spacing, from which on the factors are computed anew."""
 
@@ -30,7 +33,7 @@ STALE = 0.5
 class PointLaplacian:
     """The Laplacian on the ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid`` whose nodes they are.
 
-    ``outlet``: see ``AuxiliaryGrid``. ``place`` (points, 2) and ``spacing`` (points,): positions and spacings that the factors belong to.
+    ``outlet``: see ``AuxiliaryGrid``. ``place`` (points, 2), ``spacing`` (points,): what the factors belong to.
     """
 
     def __init__(self, points: PointCloud, box: Any) -> None:
@@ -68,22 +71,29 @@ class PointLaplacian:
 
     def factorise(self) -> None:
         """Assemble and factorise the matrix of the points at ``place`` with their ``spacing`` (points,)."""
-        from scipy.sparse import diags, identity
+        from scipy.sparse import identity
         from scipy.sparse.linalg import splu
 
-        graph = self.graph()
-        if self.box.axisymmetric:
-            radius = self.place[:, 1] + self.box.origin[1]
-            graph.data *= 0.5 * (radius[graph.row] + radius[graph.col]) / radius[graph.row]
-        matrix = (diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
+        self.pairs = self.graph()
+        matrix = self.matrix(1 if self.box.axisymmetric else 0)
         self.last = len(self.place) if self.outlet is None else int(view(self.outlet))
         matrix = matrix[: self.last, : self.last]
         floating = FLOATING * matrix.diagonal().max() * identity(self.last, format="csc")
-        self.factors = splu(matrix + floating, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        self.factors = splu(matrix + floating, **SYMMETRIC)
+
+    def matrix(self, power: int) -> Any:
+        """Return minus the Laplacian (points, points) with r^``power``, times the areas over the largest one."""
+        from scipy.sparse import coo_matrix, diags
+
+        weights, (here, there) = self.pairs
+        if power:
+            radius = self.place[:, 1] + self.box.origin[1]
+            weights = weights * (0.5 * (radius[here] + radius[there]) / radius[here]) ** power
+        graph = coo_matrix((weights, (here, there)), 2 * (len(self.place),))
+        return (diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
 
     def graph(self) -> Any:
-        """Return the weights of all pairs, a sparse matrix (points, points), over the square of the largest spacing."""
-        from scipy.sparse import coo_matrix
+        """Return the weights of all pairs, over the square of the largest spacing, and the indices of both points."""
         from scipy.spatial import cKDTree
 
         n, spacing = len(self.place), self.spacing
@@ -95,8 +105,7 @@ class PointLaplacian:
         _, chosen = np.unique(low * n + high, return_index=True)
         low, high, apart = low[chosen], high[chosen], apart[chosen]
         weight = 0.5 * spacing[low] * spacing[high] / (apart * self.box.spacing) ** 2
-        pairs = np.concatenate([low, high]), np.concatenate([high, low])
-        return coo_matrix((np.tile(weight, 2), pairs), (n, n))
+        return np.tile(weight, 2), (np.concatenate([low, high]), np.concatenate([high, low]))
 
     @ti.func
     def deposit(self, values: ti.template(), node):
@@ -120,4 +129,34 @@ class PointLaplacian:
         right = values[: self.last]
         found = self.factors.solve(right if known else right - right.mean())
         result[: self.last] = found if known else found - found.mean()
+        return result
+
+    def interpolation(self, points: int) -> Any:
+        """Return the sparse matrix (points, nodes) that interpolates to the points: they are the nodes."""
+        from scipy.sparse import identity
+
+        return identity(points, format="csr")
+
+    def factorise_velocities(self, sigma: float, viscosity: np.ndarray, components: int) -> None:
+        """Factorise ``sigma`` - ``viscosity`` (nodes,) Laplacian for fields that are 0 on walls.
+
+        In axisymmetric flow all components but the first are over r, as in ``WalledGrid.factorise_velocities``.
+        """
+        from scipy.sparse import diags
+        from scipy.sparse.linalg import splu
+
+        inside = self.points.inside
+        self.powers = [1, 3, 3][:components] if self.box.axisymmetric else [0] * components
+        mass, viscous = diags(sigma * self.points.areas), diags(viscosity[:inside])
+        self.velocity_factors = {
+            power: splu((mass + viscous @ self.matrix(power)[:inside, :inside]).tocsc(), **SYMMETRIC)
+            for power in set(self.powers)
+        }
+
+    def invert_velocities(self, values: np.ndarray) -> np.ndarray:
+        """Return the solutions for ``values`` (nodes, components)."""
+        result, inside = np.zeros_like(values), self.points.inside
+        for component, power in enumerate(self.powers):
+            right = self.points.areas * values[:inside, component]
+            result[:inside, component] = self.velocity_factors[power].solve(right)
         return result

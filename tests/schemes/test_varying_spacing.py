@@ -1,4 +1,4 @@
-"""Flow with a spacing that varies: exact flows, numbers of particles, restarts, and the parts that only such flow has."""
+"""Flow with a spacing that varies: exact flows, numbers of particles, restarts, and the parts that it alone has."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def velocity_error(snapshot):
 
 
 def test_grading_costs_little_accuracy():
-    """In vortices that flow through a disc four times finer, particles come and go; errors stay those of the coarse run.
+    """In vortices that flow through a disc four times finer particles come and go; errors stay those of the coarse run.
 
     Measured: 1.1 times at t = 0.3, 1.6 times with 24 across at t = 1. The error of the pressure gradient in the coarse
     part has a curl where the spacing varies, and none where it does not.
@@ -105,7 +105,7 @@ def annulus():
 
 
 def test_flow_between_cylinders_is_steady(annulus):
-    """Velocity and torque of the exact flow: errors 6e-7 and 8e-7 with 12 across; one spacing has 1e-5 in the torque."""
+    """Velocity and torque of the exact flow: errors 6e-7 and 8e-7 with 12 across."""
     snapshot = annulus.snapshot()
     places = np.stack([snapshot.x, snapshot.y], axis=1)
     error = np.stack([snapshot.u, snapshot.v], axis=1) - steady(places)
@@ -120,7 +120,7 @@ def test_shifting_leaves_the_density_as_it_is(annulus):
     With pairs that are not weighted it falls to 0.83 at the fine wall in 40 steps, and rises to 1.22 at the other one.
     """
     position = annulus.boundary.positions
-    wanted = annulus.problem.wanted_spacing.at(position[: annulus.points.inside] + annulus.problem.origin)
+    wanted = annulus.problem.wanted_spacing.at(position[: annulus.points.in_fluid] + annulus.problem.origin)
     filling = annulus.insertion.filling(position, wanted, annulus.time)
     assert np.abs(filling - 1.0).max() < 0.08  # 0.05 and the scatter of the arrangement
     assert annulus.insertion.counts == {"inserted": 0, "removed": 0}
@@ -129,7 +129,7 @@ def test_shifting_leaves_the_density_as_it_is(annulus):
 def test_particles_are_inserted_in_a_hole(annulus):
     """With the particles of a disc of two spacings gone one is inserted at a time, in the hole, with the exact flow."""
     position, centre = active(annulus.levels.position).astype(float), np.array([0.0, 1.3]) - annulus.problem.origin
-    inside = annulus.points.inside
+    inside = annulus.points.in_fluid
     spacing = annulus.problem.wanted_spacing.at(np.array([[0.0, 1.3]]))[0]
     gone = np.flatnonzero(np.hypot(*(position[:inside] - centre).T) < 2.0 * spacing)
     kept_ones = np.delete(np.arange(len(position)), gone)

@@ -145,7 +145,7 @@ class PointLaplacian:
         from scipy.sparse import diags
         from scipy.sparse.linalg import splu
 
-        inside = self.points.inside
+        inside = self.points.in_fluid
         self.powers = [1, 3, 3][:components] if self.box.axisymmetric else [0] * components
         mass, viscous = diags(sigma * self.points.areas), diags(viscosity[:inside])
         self.velocity_factors = {
@@ -155,7 +155,7 @@ class PointLaplacian:
 
     def invert_velocities(self, values: np.ndarray) -> np.ndarray:
         """Return the solutions for ``values`` (nodes, components)."""
-        result, inside = np.zeros_like(values), self.points.inside
+        result, inside = np.zeros_like(values), self.points.in_fluid
         for component, power in enumerate(self.powers):
             right = self.points.areas * values[:inside, component]
             result[:inside, component] = self.velocity_factors[power].solve(right)

@@ -177,7 +177,7 @@ class FickianShifting(Shifting):
         """
         part = travelled / TRAVEL
         view(self.strength)[()] = self.full * (part if self.points.graded else min(1.0, part))
-        fluid = self.points.inside
+        fluid = self.points.in_fluid
         view(self.moved)[: self.points.fluid] = 0.0
         if first:
             scattered = np.random.default_rng(0).uniform(-self.scatter, self.scatter, (fluid, 2))

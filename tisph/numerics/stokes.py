@@ -114,9 +114,9 @@ class StokesSolver:
     """Solver at the points of least-squares ``operators``: the fluid's come first, those on walls after them.
 
     ``grid`` of the preconditioner. Where the spacing varies rows of (10) are weighted by ``scale``, the areas of
-    particles over tau: so they add up to 0 with those of walls. ``iterations``: number for the last solution. Velocities
-    inside are (components, points). Matrices are scipy's: a product takes a third of the time that the rows of the
-    tables of the operators do.
+    particles over tau: so they add up to 0 with those of walls. ``iterations``: number for the last solution.
+    Velocities inside are (components, points). Matrices are scipy's: a product takes a third of the time that the rows
+    of the tables of the operators do.
     """
 
     def __init__(self, operators: Any, grid: WalledGrid, components: int, spacing: float) -> None:
@@ -129,7 +129,7 @@ class StokesSolver:
         from scipy.sparse import csr_matrix, diags
 
         points, operators, self.rows = self.points, self.operators, rows
-        n, fluid = self.n, self.fluid = points.fluid, points.inside
+        n, fluid = self.n, self.fluid = points.fluid, points.in_fluid
         row, listed = points.rows_of(slice(n))
         table = view(points.neighbours)[row]
         listed &= table < n

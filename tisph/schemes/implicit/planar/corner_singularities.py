@@ -69,7 +69,7 @@ class SingularPaths:
         """
         view(self.weights)[...] = weights(np.linspace(0.0, 1.0, N_TIMES)).T
         self.integrate(dt)
-        return view(self.positions)[: self.points.inside].astype(float)
+        return view(self.positions)[: self.points.in_fluid].astype(float)
 
     @ti.kernel
     def integrate(self, whole: float):
@@ -272,7 +272,7 @@ class CornerSingularities(Corners):
         """Move the points to the positions of the particles after a step ``dt``, along paths in u = w + U."""
         position = self.paths.find(lambda part: weights.interpolation((1.0 - part) * dt, VELOCITIES), dt)
         position %= [self.problem.length, self.problem.height]
-        view(self.points.position)[: self.points.inside] = position
+        view(self.points.position)[: self.points.in_fluid] = position
 
     def force(self, dt: float, weights: Any) -> np.ndarray:
         """Return F (points, 2) for a step ``dt``, with w by ``weights`` (2,) of its newest levels."""
@@ -307,7 +307,7 @@ class CornerSingularities(Corners):
 
     @property
     def _wall_position(self) -> np.ndarray:
-        return view(self.points.position)[self.points.inside : self.points.fluid].astype(float)
+        return view(self.points.position)[self.points.in_fluid : self.points.fluid].astype(float)
 
     def find_fastest(self) -> None:
         """Set the fastest velocity of the levels to the largest u = w + U."""

@@ -150,7 +150,7 @@ class Equations:
     def solve_pressure(self, tolerance: float, rounding: float = 0.0) -> bool:
         """Solve -L p = b; return whether it was solved. Residuals below ``rounding`` count as zero."""
         # with pressures given at both ends b may be 0 where p is not: the size that b has for their gradient counts
-        scale = self.boundary.pressure_gradient * math.sqrt(self.points.inside) / self.spacing
+        scale = self.boundary.pressure_gradient * math.sqrt(self.points.in_fluid) / self.spacing
         least = max(rounding, tolerance * scale)
         solved = self.pressure.solve(1.0, tolerance, 0.0, self.for_pressure, least=least)
         self.iterations[0] += self.pressure.iterations
@@ -338,7 +338,7 @@ class Coupled(Equations):
 
     def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
         """Solve for everything, to ``residual`` of the allowed error; return whether it was possible."""
-        n, fluid, stokes = self.points.fluid, self.points.inside, self.stokes
+        n, fluid, stokes = self.points.fluid, self.points.in_fluid, self.stokes
         sigma = step.gamma0 / step.dt if self.has_inertia else 0.0
         stokes.set_step(sigma, self.extra_stress.local_viscosities(step.viscosity, n))
         velocity, pressure = view(self.velocity.x)[:n].astype(float), view(self.pressure.x)[:n].astype(float)

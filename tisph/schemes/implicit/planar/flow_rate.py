@@ -72,7 +72,7 @@ class FlowRateControl(Coupling):
         """Begin a step ``dt`` that ends at ``time``: place the sections, and compute the weights of their integrals."""
         from scipy.spatial import cKDTree
 
-        problem, fluid = self.problem, self.levels.points.inside
+        problem, fluid = self.problem, self.levels.points.in_fluid
         positions, self.dt, self.gamma0 = self.boundary.positions, dt, gamma0
         self.place_sections(positions, time)
         tree = cKDTree(positions, boxsize=(0.0, 0.0))

@@ -398,7 +398,7 @@ class FreeBodyPart(BoundaryPart):
 
         Distances are over the relative spacing of a point.
         """
-        spacing, n_fluid = self.problem.spacing, self.points.inside
+        spacing, n_fluid = self.problem.spacing, self.points.in_fluid
         nearness = (CONTINUED[0] - distances[self.boundary.slots, 1] / spacing) / (CONTINUED[0] - CONTINUED[1])
         view(self.continued)[self.boundary.slots] = np.clip(nearness, 0.0, 1.0)
         view(self.narrow)[:n_fluid] = distances[:n_fluid].sum(axis=1) < NARROW * spacing
@@ -409,7 +409,7 @@ class FreeBodyPart(BoundaryPart):
 
     def stokes_rows(self, rows: WallRows) -> WallRows:
         """Return the ``rows`` with the parts of equations that hold where gaps close."""
-        narrow = view(self.narrow)[: self.points.inside] > 0
+        narrow = view(self.narrow)[: self.points.in_fluid] > 0
         walls = 1.0 - view(self.continued)[self.boundary.slots].astype(float)
         return replace(rows, open_walls=walls, open_fluid=np.where(narrow, 0.0, 1.0))
 

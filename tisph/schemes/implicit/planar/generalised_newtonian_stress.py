@@ -129,10 +129,13 @@ class GeneralisedNewtonianStress(ExtraStress):
         """
         self.begin()
         self.find_added_force(velocity)
-        fluid, radius = slice(self.points.inside), np.broadcast_to(self.radius, self.points.fluid)[: self.points.inside]
+        fluid, radius = (
+            slice(self.points.in_fluid),
+            np.broadcast_to(self.radius, self.points.fluid)[: self.points.in_fluid],
+        )
         speed = view(velocity)[: self.points.fluid].astype(float)
         speed[:, 0] -= (
-            speed[self.points.inside :, 0] if self.points.fluid > self.points.inside else speed[:, 0]
+            speed[self.points.in_fluid :, 0] if self.points.fluid > self.points.in_fluid else speed[:, 0]
         ).mean()
         power = speed[fluid] * view(self.added_force)[fluid]
         power[:, 1:] *= radius[:, None] ** 2
@@ -145,11 +148,11 @@ class GeneralisedNewtonianStress(ExtraStress):
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the stress at the points on walls in a step in which 2 D is ``strain`` (numbers, count) there."""
-        implicit = view(self.derived)[self.points.inside : self.points.fluid, self.numbers - 1].astype(float)
+        implicit = view(self.derived)[self.points.in_fluid : self.points.fluid, self.numbers - 1].astype(float)
         return self._at_walls(0) + implicit * (strain - self._at_walls(self.strain))
 
     def _at_walls(self, first: Any) -> np.ndarray:
-        points = slice(self.points.inside, self.points.fluid)
+        points = slice(self.points.in_fluid, self.points.fluid)
         found = view(self.derived)[points, first : first + self.strain].T.astype(float)
         if not self.axisymmetric:
             return found

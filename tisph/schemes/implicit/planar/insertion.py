@@ -118,7 +118,7 @@ class Insertion:
         """
         from scipy.spatial import cKDTree
 
-        inside = self.points.inside
+        inside = self.points.in_fluid
         fluid = position[:inside]
         spacing = self.problem.wanted_spacing.at(fluid + self.problem.origin, time)
         filling = np.where(spacing < self.problem.spacing, self.filling(position, spacing, time), 1.0)
@@ -146,8 +146,8 @@ class Insertion:
         return places[np.argmax(tree.query(places)[0])]
 
     def filling(self, position: np.ndarray, spacing: np.ndarray, time: float) -> np.ndarray:
-        """Return the means of the filling (inside,) of particles with this ``spacing`` (inside,)."""
-        inside = self.points.inside
+        """Return the means of the filling (in_fluid,) of particles with this ``spacing`` (in_fluid,)."""
+        inside = self.points.in_fluid
         beyond = np.zeros(inside)
         if self.problem.walls:
             distance = self.problem.walls.distance(position[:inside], time, self.problem.bodies)
@@ -165,11 +165,11 @@ class Insertion:
 
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the pairs of neighbours among the particles: indices of both, (pairs,) each."""
-        begin, end = (view(each)[: self.points.inside] for each in (self.points.begin, self.points.end))
+        begin, end = (view(each)[: self.points.in_fluid] for each in (self.points.begin, self.points.end))
         count = end - begin
         entries = np.repeat(end - np.cumsum(count), count) + np.arange(count.sum())
         here, there = np.repeat(np.arange(len(count)), count), view(self.points.neighbours)[entries]
-        among = there < self.points.inside
+        among = there < self.points.in_fluid
         return here[among], there[among]
 
     def numbers(self) -> Mapping[str, Any]:

@@ -49,7 +49,7 @@ class MeanVelocityControl(Coupling):
         It is a part of the impulse of flow past bodies at rest.
         """
         self._measure_section(self.problem.start_time)
-        fluid, walls = slice(self.boundary.points.inside), self.boundary.slots
+        fluid, walls = slice(self.boundary.points.in_fluid), self.boundary.slots
         newest, solution = self.boundary.newest_velocities, view(equations.velocity.x)
         solution[: len(newest)] = newest
         wanted = self.wanted - self._mean(equations)

@@ -141,7 +141,7 @@ class OpenEnds(BoundaryPart):
     @property
     def first(self) -> int:
         """First slot of the points of outlets, which are the last of all."""
-        return self.points.inside + int(self.of_outlet[0])
+        return self.points.in_fluid + int(self.of_outlet[0])
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
         """Return the control of the flow rate, where an inlet gives that and the flow is not too viscous for it."""
@@ -242,14 +242,14 @@ class OpenEnds(BoundaryPart):
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
         elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
         self.level_times = time - np.append(0.0, elapsed)
-        inlets = view(self.levels.fields)[self.points.inside : self.points.fluid]
+        inlets = view(self.levels.fields)[self.points.in_fluid : self.points.fluid]
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]
-        place, points = self.boundary.positions[: self.points.inside], self.walls.at(time)[0]
+        place, points = self.boundary.positions[: self.points.in_fluid], self.walls.at(time)[0]
         for number, (_, part) in enumerate(self.outlets):
             enters = bool(self.outflows) and len(self.outlets) > 1 and self.outflows[0][number] < 0.0
-            slots, powers = self.points.inside + part, PARALLEL if enters else powers_up_to(OUTLET_DEGREE)
+            slots, powers = self.points.in_fluid + part, PARALLEL if enters else powers_up_to(OUTLET_DEGREE)
             self.take_levels(slots, points[part], np.arange(len(place)), place, powers, AROUND[OUTLET_DEGREE])
         self.exchange(dt, time)
         return True
@@ -321,8 +321,8 @@ class OpenEnds(BoundaryPart):
         if self.problem.carries_stress:
             result = result + self.extra_stress.present_wall_stress()[2, self.of_outlet]
         for outlet, part in self.outlets if self.problem.swirls else ():
-            radius = self.radii(self.points.inside + part)
-            order, around = np.argsort(radius), velocity[self.points.inside + part, 2]
+            radius = self.radii(self.points.in_fluid + part)
+            order, around = np.argsort(radius), velocity[self.points.in_fluid + part, 2]
             rising = CubicSpline(radius[order], (around**2 * radius)[order]).antiderivative()
             result = result.copy()
             result[part - self.of_outlet[0]] += rising(radius) - rising(outlet.shape.extent[1, 1])
@@ -381,7 +381,7 @@ class OpenEnds(BoundaryPart):
             own = self.outlet_velocity[part - self.of_outlet[0]]
             speed, width = -(own[:, :2] @ outlet.shape.normal), outlet.shape.length
             along = np.cumsum(self.walls.length[part]) - 0.5 * self.walls.length[part]
-            around = self.problem.circumferences(heights[self.points.inside + part])
+            around = self.problem.circumferences(heights[self.points.in_fluid + part])
             curve = CubicSpline([0.0, *along, width], [0.0, *(speed * around), 0.0])  # walls beside it are at rest
             flows.append(float(curve.integrate(0.0, width)))
             back = max(back, float((-speed if flows[-1] >= 0.0 or len(self.outlets) == 1 else speed).max()))
@@ -389,7 +389,7 @@ class OpenEnds(BoundaryPart):
 
     def measure_parts(self) -> None:
         """Sum the squares of divergence and gradient in the parts of the channel."""
-        levels, fluid = self.levels, slice(self.points.inside)
+        levels, fluid = self.levels, slice(self.points.in_fluid)
         part = (
             np.abs(self.boundary.positions[fluid, 0] - self.problem.open_ends[0]) / self.ends[0][0].shape.length
         ).astype(int)
@@ -408,13 +408,13 @@ class OpenEnds(BoundaryPart):
         """Store the outflow, and dv/dx at the inlets."""
         self.measure_outflow()
         values = view(self.levels.fields)[:, 1:2].astype(float)
-        self.v_slope = self.slopes(self.points.inside + self.of_inlets, values)[0, :, 0]
+        self.v_slope = self.slopes(self.points.in_fluid + self.of_inlets, values)[0, :, 0]
 
     # Particles that leave and enter -----------------------------------------------------------------------------------
 
     def exchange(self, dt: float, time: float) -> None:
         """Let each particle that has left by the end of a step ``dt``, at ``time``, enter."""
-        spacing, fluid = self.problem.spacing, self.points.inside
+        spacing, fluid = self.problem.spacing, self.points.in_fluid
         place, velocity = self.boundary.positions, self.boundary.newest_velocities[:, :2].astype(float)
         place[self.boundary.slots], normal = self.walls.at(time)
         left, soon = np.full((2, fluid), np.inf)  # distance, in spacings, and time after which particles flow out

@@ -157,7 +157,7 @@ class PlanarScheme(ControlledScheme):
 
     def place(self, position: np.ndarray, unknowns: np.ndarray, number: np.ndarray) -> None:
         """Place the particles with these newest velocities (particles, components) and numbers (particles,)."""
-        fluid, levels = self.points.inside, self.levels
+        fluid, levels = self.points.in_fluid, self.levels
         active(levels.position)[:fluid] = position - np.array(self.problem.origin)
         active(levels.fields)[...] = 0.0
         active(levels.fields)[:fluid, : levels.components] = unknowns
@@ -170,7 +170,7 @@ class PlanarScheme(ControlledScheme):
 
         With inertia they determine the flow at the start.
         """
-        fluid, levels, residual = self.points.inside, self.levels, self.equations.residuals[0]
+        fluid, levels, residual = self.points.in_fluid, self.levels, self.equations.residuals[0]
         unknowns = active(levels.fields)[:fluid, : levels.components].copy()
         self.assemble(self.time)
         solved = self.boundary.apply_impulse(self.equations, residual)
@@ -232,7 +232,7 @@ class PlanarScheme(ControlledScheme):
 
     def particles_with(self, fields: Sequence[np.ndarray]) -> tuple[Particles, list[np.ndarray]]:
         """Return the particles with ``fields`` (points, ...), and the values of these at the points on walls."""
-        fluid, levels = slice(self.points.inside), self.levels
+        fluid, levels = slice(self.points.in_fluid), self.levels
         place = active(levels.position)[fluid].astype(float) + np.array(self.problem.origin)
         values = [field.astype(float) for field in fields]
         number = active(levels.number)[fluid].copy()
@@ -256,7 +256,7 @@ class PlanarScheme(ControlledScheme):
         for field, of_particles, others in zip(carried, particles.fields, on_walls, strict=True):
             active(field)[...] = np.concatenate([of_particles, others]).reshape(active(field).shape)
         active(levels.position)[...] = np.concatenate([particles.position - self.problem.origin, walls])
-        active(levels.number)[: self.points.inside] = particles.number
+        active(levels.number)[: self.points.in_fluid] = particles.number
         levels.passages = particles.passages
         self.grid.forget()
         self.equations.forget()
@@ -371,7 +371,7 @@ class PlanarScheme(ControlledScheme):
     def add_body_force(self, dt: float, time: float) -> None:
         """Add the body forces to the forcing of a step, and a uniform one to the guess of the very first step."""
         if not self.dts:  # a flow that is carried along as a whole is exact from the first guess on
-            fluid = slice(self.points.inside)
+            fluid = slice(self.points.in_fluid)
             view(self.equations.velocity.x)[fluid, :2] += dt * np.array(self.problem.acceleration)
         if self.problem.body_force:
             force = self.body_force(time)
@@ -436,7 +436,7 @@ class PlanarScheme(ControlledScheme):
         offset, first, components = self.time - time, levels.first_pressure, levels.components
         case = self.time, offset == 0.0
         if self.output_cache is None or self.output_cache[0] != case:
-            fluid, fields = self.points.inside, active(levels.fields)
+            fluid, fields = self.points.in_fluid, active(levels.fields)
             created = np.argsort(active(levels.number)[:fluid])
             parts = (fields[:, :first], fields[:, first:]) if offset else (fields[:, :components], fields[:, first])
             stored = [*parts, *(active(field) for field in (levels.position, *self.extra_stress.fields))]
@@ -519,7 +519,7 @@ class PlanarScheme(ControlledScheme):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         couplings = [coupling.host_state() for coupling in self.couplings]
-        walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.points.inside}
+        walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.points.in_fluid}
         insertion = self.insertion.state()
         return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies, **insertion}
 
@@ -531,7 +531,7 @@ class PlanarScheme(ControlledScheme):
             walls = problem.walls.of_bodies(self.exchange.in_fluid)
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
         self.points.resize(state["bodies"]["particles"])
-        self.levels.passages = np.zeros(self.points.inside, dtype=int)
+        self.levels.passages = np.zeros(self.points.in_fluid, dtype=int)
         self.grid.make_room()
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:

@@ -61,7 +61,7 @@ class SlippingWalls(BoundaryPart):
     @property
     def slots(self) -> np.ndarray:
         """Slots (m,) of the points."""
-        return self.boundary.points.inside + self.chosen
+        return self.boundary.points.in_fluid + self.chosen
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
         """Return the coupling of the slip with the fluid."""
@@ -231,7 +231,7 @@ class SlipCoupling(Coupling):
             csr_matrix((tangents * count, boundary.points.fluid)),
             forces @ boundary.known_tractions().ravel(),
             part.slip().ravel(),
-            np.full(tangents * count, 1.0 / np.sqrt(boundary.points.inside)),
+            np.full(tangents * count, 1.0 / np.sqrt(boundary.points.in_fluid)),
             np.tile(response, tangents),
         )
 

@@ -343,7 +343,7 @@ class TimeLevels:
         self.fields = self.points.count(ti.field(kind, self.points.slots + 1))
         self.divergence = self.points.field(real())
         self.number = self.points.field(ti.i32)
-        self.passages = np.zeros(self.points.inside, dtype=int)
+        self.passages = np.zeros(self.points.in_fluid, dtype=int)
         self.d_dx, self.d_dy = (ti.field(kind, self.points.slots + 1) for _ in range(2))
         self.d_dx.used = self.d_dy.used = None
         self.step_weights = holding(ti.field(real(), VELOCITIES), 0.0)
@@ -481,7 +481,7 @@ class TimeLevels:
 
     def reorder(self, others: Any) -> None:
         """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
-        fluid, order = self.points.inside, view(self.points.order)[: self.points.fluid]
+        fluid, order = self.points.in_fluid, view(self.points.order)[: self.points.fluid]
         order = order[order < fluid]
         for field in (self.position, self.fields, self.divergence, self.number, *others):
             active(field)[:fluid] = active(field)[order]

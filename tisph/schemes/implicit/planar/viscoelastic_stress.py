@@ -131,7 +131,7 @@ class ViscoelasticStress(ExtraStress):
             return 1.0
         ratio, moving = np.ones(self.points.fluid), np.ones(self.points.fluid, dtype=bool)
         if self.walls:
-            moving[self.points.inside :] = self.walls.slip_length > 0.0
+            moving[self.points.in_fluid :] = self.walls.slip_length > 0.0
         ratio[moving] = (view(self.levels.position)[: len(ratio), 1][moving] + self.origin[1]) / self.radius[moving]
         return ratio
 
@@ -209,8 +209,8 @@ class ViscoelasticStress(ExtraStress):
         states = self.times_radius(self.states.astype(float), self.radius * self.ratio)
         elapsed = (weights.unit * weights.offsets)[:ORDER]
         if self.walls:
-            states[..., self.points.inside :] = self.walls.carried(
-                states[..., self.points.inside :], elapsed, self.time
+            states[..., self.points.in_fluid :] = self.walls.carried(
+                states[..., self.points.in_fluid :], elapsed, self.time
             )
         self.explicit_part = np.einsum("a,acn->cn", alpha[:ORDER], states) / gamma0
         self.state = np.einsum("a,acn->cn", weights.extrapolation(ORDER), states)
@@ -242,7 +242,7 @@ class ViscoelasticStress(ExtraStress):
         else:
             gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
-            self.take_known(self.walls, gradient[:, self.points.inside :], self.slip(self.walls, velocity))
+            self.take_known(self.walls, gradient[:, self.points.in_fluid :], self.slip(self.walls, velocity))
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]
@@ -264,7 +264,7 @@ class ViscoelasticStress(ExtraStress):
         """
         if not walls.slip_length.any():
             return None
-        points = slice(self.points.inside, self.points.fluid)
+        points = slice(self.points.in_fluid, self.points.fluid)
         relative = view(velocity)[points].astype(float) - walls.velocities(self.time)
         relative[:, 1] *= self.radius[points] if self.axisymmetric else 1.0
         return np.where(walls.slip_length > 0.0, relative[:, :2].T, 0.0)
@@ -318,12 +318,12 @@ class ViscoelasticStress(ExtraStress):
 
     def wall_stress(self) -> np.ndarray:
         """Return the stress (numbers of tractions, count) at the points on walls."""
-        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.points.inside :]
+        state = self.times_radius(self.states[0].astype(float), self.radius)[:, self.points.in_fluid :]
         return self.traction_rows(self.modes.stress(state, self.stress_numbers))
 
     def present_wall_stress(self) -> np.ndarray:
         """Return the same for the newest iterate of a step."""
-        return self.traction_rows(self.modes.stress(self.state[:, self.points.inside :], self.stress_numbers))
+        return self.traction_rows(self.modes.stress(self.state[:, self.points.in_fluid :], self.stress_numbers))
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the same in a step in which 2 D is ``strain`` there.
@@ -331,7 +331,7 @@ class ViscoelasticStress(ExtraStress):
         As the momentum equation has it: S, with the change of the strain since then times nu*.
         """
         implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
-        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.points.inside :])
+        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.points.in_fluid :])
         return stress + self.viscosity * strain
 
     def traction_rows(self, stress: np.ndarray) -> np.ndarray:

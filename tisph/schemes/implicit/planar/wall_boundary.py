@@ -80,7 +80,7 @@ class WallLoads:
     @property
     def slots(self) -> slice:
         """Slots of the points."""
-        return slice(self.levels.points.inside, self.levels.points.fluid)
+        return slice(self.levels.points.in_fluid, self.levels.points.fluid)
 
     def measure(self, time: float, normal: np.ndarray, velocity: np.ndarray, extra: Any) -> None:
         """Store the loads at ``time``, of the newest fields.
@@ -231,7 +231,7 @@ class WallBoundary(Boundary):
 
     def move(self, time: float) -> None:
         """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
-        positions, n_fluid = view(self.points.position), self.points.inside
+        positions, n_fluid = view(self.points.position), self.points.in_fluid
         position, self.normals = self.walls.at(time)
         self.update_velocity(time)
         positions[self.slots] = position % [self.problem.length, self.problem.height]
@@ -412,7 +412,7 @@ class WallBoundary(Boundary):
 
     def stokes_rows(self) -> WallRows:
         """Return the equations of velocity and pressure at the points, of the ``StokesSolver``."""
-        weight, fluid = view(self.weight)[self.slots].astype(float), np.ones(self.points.inside)
+        weight, fluid = view(self.weight)[self.slots].astype(float), np.ones(self.points.in_fluid)
         rows = WallRows(self.normals, weight, np.ones(len(weight)), fluid, self.walls.strain)
         for part in self.parts:
             rows = part.stokes_rows(rows)

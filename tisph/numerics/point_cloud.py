@@ -48,8 +48,8 @@ class PointCloud:
     In a ``PeriodicDomain`` there are no ghosts, and positions must be inside the box. ``particles`` and ``ghosts`` are
     their present numbers; there is space for ``ghost_capacity``. ``capacity``, ``slots`` and the ``sentinel`` after
     them depend only on the size class and may be compiled in, ``fluid`` may not. ``fluid`` and ``particles`` also
-    count the points ``on_walls``, which follow the particles; ``in_fluid`` and ``n_fluid`` do not. ``cutoff`` [length]: a
-    number, or the usual and the largest cutoff, less than twice the usual one; then each point has its own, ``radius``.
+    count the points ``on_walls``, which follow the particles; ``in_fluid`` and ``n_fluid`` do not. ``cutoff`` [length]:
+    a number, or the usual and the largest cutoff, below twice the usual one; then each point has its own, ``radius``.
     ``finest``: smallest spacing over the largest; below 1 each point has its own, ``relative_spacing``, and there is
     room for more particles. ``flow``: has ``particles``, ``columns``, ``rows``, ``spacing``, and where cutoffs vary
     ``crowding``, a factor of the largest number of neighbours.

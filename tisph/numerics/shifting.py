@@ -228,25 +228,21 @@ class FickianShifting(Shifting):
         """Return the displacement of particle ``i`` by a unit of ``displacement_by``."""
         result = self.strength[None]
         if ti.static(self.points.graded):
-            relative = self.points.relative(i)
-            result = ti.min(self.full_rate[None], result / relative) * relative
+            result = ti.min(self.full_rate[None], result / self.points.relative(i))
         return result
 
     @ti.func
     def displacement_by(self, i, j, apart):
         """Return the displacement of particle ``i``, over the rate, by particle ``j`` at the vector ``apart``.
 
-        The support is that of the mean of their spacings. A force f(r/h_ij) of each pair pushes particles to where the
-        spacing grows, with 2 - 3/2 of its growth: 2 by their number, 1/h^2, less 3/2 by h_ij. With the weight
-        (h_j/h_i)^(1/2) it does not.
+        With their mean spacing h_ij it is h_ij f(r/h_ij). So particles are at rest where their number is 1/h^2: with
+        h_i in place of the factor h_ij pairs push them to where the spacing grows, by 2 - 3/2 of its growth, 2 by their
+        number, less 3/2 by h_ij in f.
         """
-        relative, weight = 1.0, 1.0
-        if ti.static(self.points.graded):
-            relative = 0.5 * (self.points.relative(i) + self.points.relative(j))
-            weight = ti.sqrt(self.points.relative(j) / self.points.relative(i))
+        relative = 0.5 * (self.points.relative(i) + self.points.relative(j))
         scaled = self.per_support[None] / relative * apart
         nearness = ti.max(0.0, 1.0 - ti.sqrt(scaled.dot(scaled)))
-        return -weight * nearness * nearness * nearness * scaled
+        return -relative * nearness * nearness * nearness * scaled
 
     @ti.func
     def displacement_near_walls(self, i):

@@ -239,10 +239,10 @@ class PlanarScheme(ControlledScheme):
         particles = Particles(place, [value[fluid] for value in values], number, levels.passages)
         return particles, [value[self.boundary.slots] for value in values]
 
-    def renew_particles(self) -> None:
-        """Remove particles where they crowd, and insert others where they are sparse."""
+    def renew_particles(self, time: float) -> None:
+        """Remove particles where they crowd at ``time``, and insert others where they are sparse."""
         levels, position = self.levels, active(self.levels.position).astype(float)
-        crowded, places = self.insertion.choose(position, self.time)
+        crowded, places = self.insertion.choose(position, time)
         if not len(crowded) + len(places):
             return
         carried = [levels.fields, levels.divergence, *self.extra_stress.fields]
@@ -420,7 +420,7 @@ class PlanarScheme(ControlledScheme):
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             levels.reorder(self.extra_stress.fields)
         elif self.insertion.due(self.steps + 1):
-            self.renew_particles()
+            self.renew_particles(end)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.end_step(dt, speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]

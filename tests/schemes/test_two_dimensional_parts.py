@@ -12,6 +12,7 @@ from tisph.config import load
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.polygon import Polygon
+from tisph.geometry.wanted_spacing import WantedSpacing
 from tisph.schemes._forecast import estimates
 from tisph.schemes._step_control import LARGEST_MULTISTEP_FACTOR
 from tisph.schemes.implicit.planar import BETWEEN_WALLS, COST, OVERHEAD, STARTING, _guessed_steps
@@ -78,6 +79,7 @@ def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
     scene = SimpleNamespace(inertia=True, reference_velocity=1.0, bodies=(), rheology=None, spacing=0.1, start_time=0.0)
     scene.axisymmetric, scene.fields, scene.kept_mean_velocity, scene.flows_through = False, (), None, False
     scene.kinematic_viscosity, scene.reference_length = 0.0, 1.0  # nothing decays
+    scene.wanted_spacing = WantedSpacing(0.1)
     found = []
     for changes in ((), (2.0,), (0.5,)):
         scene.jump_times = changes
@@ -165,7 +167,7 @@ def test_operators_use_polar_coordinates_near_curved_walls_only():
     normal = np.array([[0.6, 0.8], [0.0, 1.0], [1.0, 0.0], [0.6, 0.8]])
     planes = np.column_stack([normal, np.zeros(4)])[:, None]
     distances, curvatures = np.array([0.2, 0.2, 0.2, 1.0])[:, None], np.array([1.0, -1.0, 0.0, 1.0])[:, None]
-    found = WallPoints.polar_map(SimpleNamespace(spacing=0.1), None, planes, distances, curvatures)
+    found = WallPoints.polar_map(SimpleNamespace(), None, planes, distances, curvatures, np.full(4, 0.1))
     assert found == pytest.approx(np.array([[0.6 / 1.2, -0.8 / 1.2], [0.0, 1.0 / 0.8], [0.0, 0.0], [0.0, 0.0]]))
 
 

@@ -296,7 +296,9 @@ def test_without_an_exact_solution_a_finer_run_gives_the_true_error(tmp_path):
         x, y = (np.arange(across**2) % across + 0.5) / across, (np.arange(across**2) // across + 0.5) / across
         with h5py.File(folder / "samples.h5", "w") as file:
             group = file.create_group("sample_000")
+            group.attrs["t"], group.attrs["step"] = 0.5, 1
             group["x"], group["y"], group["u"], group["v"] = x, y, np.full_like(x, u), np.zeros_like(x)
+            group["density"] = group["pressure"] = np.ones_like(x)
     summary = {"samples": [{"t": 0.5}], "error_estimate": {"samples": [{"fields": {"velocity": {"error": 0.05}}}]}}
     found = measures.stated_error(Result(ours, summary), Result(finer, {}), field="velocity", t=0.5)
     assert found == pytest.approx(0.5, rel=1e-9)

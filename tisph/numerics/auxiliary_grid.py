@@ -55,10 +55,7 @@ class AuxiliaryGrid:
     """Field with the first slot of the points at an open end at which the pressure is known; None without any."""
 
     def forget(self) -> None:
-        """Take note that points have other numbers."""
-
-    def make_room(self) -> None:
-        """Make room in these arrays for the present number of points."""
+        """Take note that points have other numbers, and make room in these arrays for as many."""
 
     def invert(self, field: Any, sigma: float, coefficient: float) -> None:
         """Replace the values f at the nodes, in ``field``, by (``sigma`` - ``coefficient`` Laplacian)^-1 f."""

@@ -115,6 +115,11 @@ class PointCloud:
         self.order = ti.field(ti.i32, shape=self.slots)
         self.far = scalar(1e3 * flow.spacing * (flow.rows + flow.columns))
 
+    @property
+    def on_walls(self) -> slice:
+        """Slots of the points on walls."""
+        return slice(self.in_fluid, self.fluid)
+
     def set_spacing(self, relative: np.ndarray) -> None:
         """Set the ``relative`` spacing (points,) of each point, over the largest one."""
         view(self.relative_spacing)[: self.fluid] = relative

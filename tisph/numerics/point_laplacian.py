@@ -44,11 +44,7 @@ class PointLaplacian:
         self.forget()
 
     def forget(self) -> None:
-        """Forget the factors: others are needed where points have other numbers."""
-        self.make_room()
-
-    def make_room(self) -> None:
-        """Make room for the positions and spacings that the factors of a checkpoint belong to."""
+        """Forget the factors, and make room for those of the present number of points."""
         self.place, self.spacing = np.full((self.points.fluid, 2), np.nan), np.ones(self.points.fluid)
         self.factors: Any = None
 

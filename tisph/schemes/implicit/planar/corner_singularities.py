@@ -307,7 +307,7 @@ class CornerSingularities(Corners):
 
     @property
     def _wall_position(self) -> np.ndarray:
-        return view(self.points.position)[self.points.in_fluid : self.points.fluid].astype(float)
+        return view(self.points.position)[self.points.on_walls].astype(float)
 
     def find_fastest(self) -> None:
         """Set the fastest velocity of the levels to the largest u = w + U."""

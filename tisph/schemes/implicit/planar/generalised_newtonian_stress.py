@@ -148,11 +148,11 @@ class GeneralisedNewtonianStress(ExtraStress):
 
     def implicit_wall_stress(self, strain: np.ndarray) -> np.ndarray:
         """Return the stress at the points on walls in a step in which 2 D is ``strain`` (numbers, count) there."""
-        implicit = view(self.derived)[self.points.in_fluid : self.points.fluid, self.numbers - 1].astype(float)
+        implicit = view(self.derived)[self.points.on_walls, self.numbers - 1].astype(float)
         return self._at_walls(0) + implicit * (strain - self._at_walls(self.strain))
 
     def _at_walls(self, first: Any) -> np.ndarray:
-        points = slice(self.points.in_fluid, self.points.fluid)
+        points = self.points.on_walls
         found = view(self.derived)[points, first : first + self.strain].T.astype(float)
         if not self.axisymmetric:
             return found

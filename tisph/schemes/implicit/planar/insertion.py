@@ -15,7 +15,7 @@ polymer the logarithm of the conformation. So its values have errors of the orde
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -81,11 +81,11 @@ class Insertion:
         """Take note of the area that particles at ``position`` (n, 2), in the frame of the scene, fill at ``time``."""
         self.area = float(np.square(self.problem.wanted_spacing.at(position, time)).sum())
 
-    def areas(self, position: np.ndarray, time: float) -> np.ndarray | None:
-        """Return the areas (n,) of particles at ``position`` (n, 2), as in ``begin``; None with one spacing."""
+    def areas(self, places: Sequence[np.ndarray], time: float) -> np.ndarray | None:
+        """Return the areas (n,) of particles at ``places`` x, y (n,) as in ``begin``; None with one spacing."""
         if not self.points.graded:
             return None
-        squares = np.square(self.problem.wanted_spacing.at(position, time))
+        squares = np.square(self.problem.wanted_spacing.at(np.stack(places, axis=1), time))
         return squares * (self.area / squares.sum())
 
     def due(self, step: int) -> bool:

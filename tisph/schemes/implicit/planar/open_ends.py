@@ -242,7 +242,7 @@ class OpenEnds(BoundaryPart):
         """Set the time levels at the ends for a step ``dt``; return True, since nothing overlaps."""
         elapsed, components = (weights.unit * weights.offsets)[:VELOCITIES], self.levels.components
         self.level_times = time - np.append(0.0, elapsed)
-        inlets = view(self.levels.fields)[self.points.in_fluid : self.points.fluid]
+        inlets = view(self.levels.fields)[self.points.on_walls]
         for level, since in enumerate(elapsed):
             along = components * level
             inlets[self.of_inlets, along + 1] = -since * self.v_slope * inlets[self.of_inlets, along]

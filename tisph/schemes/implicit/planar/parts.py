@@ -125,7 +125,7 @@ class Boundary:
     @property
     def slots(self) -> slice:
         """Slots of the points on walls."""
-        return slice(self.levels.points.in_fluid, self.levels.points.fluid)
+        return self.levels.points.on_walls
 
     @ti.func
     def divergence_to_keep(self, i, kept, gamma0):

@@ -148,7 +148,7 @@ class PlanarScheme(ControlledScheme):
         Polymers start without ``stress``.
         """
         self.insertion.begin(position, self.time)
-        self.initial_momentum = self.momentum(position, velocity[:, 0])
+        self.initial_momentum = self.momentum(tuple(position.T), velocity[:, 0])
         self.place(position, self.problem.unknowns(velocity, position[:, 1]), np.arange(len(position)))
         if self.problem.inertia:
             self.find_start()
@@ -461,7 +461,7 @@ class PlanarScheme(ControlledScheme):
         )
         stress = (problem.density * part for part in self.extra_stress.at(weights, offset, stress_levels, axis))
         x, y = problem.places(position)
-        area = self.insertion.areas(np.stack([x, y], axis=1), time)
+        area = self.insertion.areas((x, y), time)
         return Snapshot(
             t=time,
             step=self.steps,
@@ -487,16 +487,16 @@ class PlanarScheme(ControlledScheme):
         """Return the ``change`` of momentum along x up to ``time`` [mass * velocity per length], which has no cause."""
         if self.boundary.bounded:  # forces of walls are in the samples
             return {}
-        position = active(self.levels.position).astype(float) + self.problem.origin
-        gained = self.momentum(position, active(self.levels.fields)[:, 0]) - self.initial_momentum
+        places = self.problem.places(active(self.levels.position).astype(float))
+        gained = self.momentum(places, active(self.levels.fields)[:, 0]) - self.initial_momentum
         return {"change": self.problem.density * self.problem.spacing**2 * gained}
 
-    def momentum(self, position: np.ndarray, velocity: np.ndarray) -> float:
-        """Return the sum of the ``velocity`` (n,) of particles at ``position`` (n, 2), times areas where these vary.
+    def momentum(self, places: Sequence[np.ndarray], velocity: np.ndarray) -> float:
+        """Return the sum of the ``velocity`` (n,) of particles at ``places`` x, y (n,), times areas where these vary.
 
         Areas are over that of a particle of the largest spacing.
         """
-        areas = self.insertion.areas(position, self.time)
+        areas = self.insertion.areas(places, self.time)
         return float((velocity if areas is None else velocity * areas / self.problem.spacing**2).sum(dtype=float))
 
     def numbers(self) -> dict[str, Any]:
@@ -532,7 +532,7 @@ class PlanarScheme(ControlledScheme):
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
         self.points.resize(state["bodies"]["particles"])
         self.levels.passages = np.zeros(self.points.in_fluid, dtype=int)
-        self.grid.make_room()
+        self.grid.forget()
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""

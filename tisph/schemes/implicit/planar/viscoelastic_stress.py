@@ -264,7 +264,7 @@ class ViscoelasticStress(ExtraStress):
         """
         if not walls.slip_length.any():
             return None
-        points = slice(self.points.in_fluid, self.points.fluid)
+        points = self.points.on_walls
         relative = view(velocity)[points].astype(float) - walls.velocities(self.time)
         relative[:, 1] *= self.radius[points] if self.axisymmetric else 1.0
         return np.where(walls.slip_length > 0.0, relative[:, :2].T, 0.0)

@@ -77,11 +77,6 @@ class WallLoads:
         self.times: list[np.ndarray] = []
         self.normal_stresses: list[np.ndarray] = []
 
-    @property
-    def slots(self) -> slice:
-        """Slots of the points."""
-        return slice(self.levels.points.in_fluid, self.levels.points.fluid)
-
     def measure(self, time: float, normal: np.ndarray, velocity: np.ndarray, extra: Any) -> None:
         """Store the loads at ``time``, of the newest fields.
 
@@ -92,7 +87,7 @@ class WallLoads:
             difference = (yy - xx) * (x**2 - y**2) - 4.0 * xy * x * y  # N1 at the walls
             normals = self.problem.density * self.walls.means(difference)
             self.normal_stresses = [normals, *self.normal_stresses][:LOAD_LEVELS]
-        pressure = active(self.levels.fields)[self.slots, self.levels.first_pressure].astype(float)
+        pressure = active(self.levels.fields)[self.levels.points.on_walls, self.levels.first_pressure].astype(float)
         tractions = self.tractions(pressure, normal, self.strain(velocity), extra)
         loads = self.problem.density * self.walls.sums(tractions, time)
         self.loads = [loads, *self.loads][:LOAD_STEPS]
@@ -119,7 +114,7 @@ class WallLoads:
         In axisymmetric flow the components of x and y with the direction around the axis follow.
         """
         fields, components = (self.levels.d_dx, self.levels.d_dy), self.levels.components
-        parts = (view(field)[self.slots, :components].T.astype(float) for field in fields)
+        parts = (view(field)[self.levels.points.on_walls, :components].T.astype(float) for field in fields)
         return self.walls.strain(velocity.T, *parts)
 
     def tractions(self, pressure: np.ndarray, normal: np.ndarray, strain: np.ndarray, extra: Any) -> np.ndarray:
@@ -243,9 +238,10 @@ class WallBoundary(Boundary):
             polar = self.walls.polar_map(positions, planes, distances, curvatures, spacing)
             view(self.operators.polar_map)[: self.points.fluid] = polar
         view(self.shift.planes)[:n_fluid] = self.walls.mirrors(positions, planes, distances)[:n_fluid]
-        self.set_supports(self.support_factors(positions, distances / relative[:, None]), relative)
+        in_spacings = distances / relative[:, None]
+        self.set_supports(self.support_factors(positions, in_spacings), relative)
         for part in self.parts:
-            part.approach(distances / relative[:, None])
+            part.approach(in_spacings)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.spacing:
             self.set_grid(time)

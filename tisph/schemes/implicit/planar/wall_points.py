@@ -69,8 +69,6 @@ class WallPoints:
     ``planes``: normal and offset of each straight wall that moves along itself at most, by its number.
     """
 
-    across_axis = False
-
     def __init__(
         self,
         bodies: Sequence[Any],
@@ -119,6 +117,11 @@ class WallPoints:
                 normal, fastest = boundary.normal[0], (body.motion.x.largest_speed, body.motion.y.largest_speed)
                 if not np.abs(normal) @ fastest:
                     self.planes[number] = normal, normal @ (boundary.point[0] - self.origin)
+
+    @property
+    def across_axis(self) -> bool:
+        """Whether flow along one of the walls goes to an axis, or from it: there is none."""
+        return False
 
     def of_bodies(self, bodies: Sequence[Any]) -> Any:
         """Return the points on the walls of other ``bodies`` in the same box."""
@@ -389,24 +392,14 @@ class WallPoints:
 
 
 class WallsOfRevolution(WallPoints):
-    """Points on walls, ``WallPoints``, that may turn around the axis as well, by the ``spin`` of their bodies.
+    """Points on walls, ``WallPoints``, that may turn around the axis as well, by the ``spin`` of their bodies."""
 
-    ``across_axis`` says whether flow along one of them goes to the axis, or from it.
-    """
-
-    def __init__(
-        self,
-        bodies: Sequence[Any],
-        spacing: float,
-        origin: Any,
-        periods: Sequence[float] = (np.inf, np.inf),
-        wanted: WantedSpacing | None = None,
-        start: float = 0.0,
-    ) -> None:
-        super().__init__(bodies, spacing, origin, periods, wanted, start)
+    @property
+    def across_axis(self) -> bool:
+        """Whether flow along one of the walls goes to the axis, or from it."""
         steepest = [np.abs(outline.normal[:, 0]).max() for outline in self.outlines]
-        walls = [not isinstance(body, OpenEnd) for body in bodies]
-        self.across_axis = max(itertools.compress(steepest, walls)) > 0.5
+        walls = [not isinstance(body, OpenEnd) for body in self.bodies]
+        return max(itertools.compress(steepest, walls)) > 0.5
 
     def _outline(self, body: Any) -> Boundary:
         """Return points on the upper half of a wall that is symmetric about the axis, none of them on it."""

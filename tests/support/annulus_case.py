@@ -11,6 +11,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, WallMotion
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region, box_around
+from tisph.geometry.wanted_spacing import NearBody, WantedSpacing
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.scheme import COURANT, PlanarScheme
 from tisph.schemes.implicit.planar.wall_points import WallPoints
@@ -19,11 +20,11 @@ INNER, OUTER, ACROSS = 1.0, 2.0, 12
 VISCOSITY = 0.02
 
 
-def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.0), viscosity=VISCOSITY):
+def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.0), viscosity=VISCOSITY, ratio=1.0):
     """Return cylinders around ``centre``, and places (particles, 2) of particles between them, turned by ``angle``.
 
     The particles are in disorder, always the same one; ``turning`` are the angular velocities from t = 0 on, numbers,
-    ``WallMotion`` or ``Schedule``.
+    ``WallMotion`` or ``Schedule``. At the inner cylinder the spacing is ``ratio`` times finer.
     """
     turning = [WallMotion(way) if isinstance(way, int | float) else way for way in turning]
     shapes = Circle(INNER), Circle(OUTER, fluid_side="inside")
@@ -31,14 +32,16 @@ def make(turning=(1.0, 0.0), centre=(0.0, 0.0), angle=0.0, acceleration=(0.0, 0.
     bodies = [Body(shape, centre, angle, motion) for shape, motion in zip(shapes, motions, strict=True)]
     spacing, corner = (OUTER - INNER) / ACROSS, (-OUTER, -OUTER)
     still = tuple(Body(shape) for shape in shapes)
-    places = pack(Region(still, corner, (OUTER, OUTER)), spacing, 0.2)
+    wanted = WantedSpacing(spacing, (NearBody(bodies[0], spacing / ratio),))
+    places = pack(Region(still, corner, (OUTER, OUTER)), wanted, 0.2)
     cosine, sine = math.cos(angle), math.sin(angle)
     places = places @ np.array([[cosine, sine], [-sine, cosine]]) + centre
     extent = np.add(centre, corner), np.subtract(centre, corner)
     box = box_around(extent, spacing, (False, False), 0.8)
     flow = Problem(
         n_fluid=len(places),
-        walls=WallPoints(bodies, spacing, box.origin),
+        walls=WallPoints(bodies, spacing, box.origin, wanted=wanted),
+        spacing_sources=wanted.sources,
         density=1.0,
         kinematic_viscosity=viscosity,
         reference_velocity=max(1.0, *(way.largest_speed for way in turning)),

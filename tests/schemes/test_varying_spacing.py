@@ -98,18 +98,31 @@ def test_a_particle_that_is_inserted_has_the_flow_around_it(annulus):
     assert len(gone) > 8
 
 
-def test_laplacian_of_the_points_on_a_lattice(annulus):
-    """On a lattice it is exact for a parabola, h^2 times the Laplacian: 4 neighbours count a half, 4 a quarter."""
-    from tisph.numerics.point_laplacian import PointLaplacian
+def test_nodes_of_the_graded_grid_fit_walls_and_spacing(annulus):
+    """Triangles have the area of the fluid, two spacings a side; a linear function is exact, and in no need of forces.
 
-    laplacian = object.__new__(PointLaplacian)
-    laplacian.box = annulus.problem
-    step = annulus.problem.spacing
-    lattice = step * (np.stack(np.meshgrid(np.arange(9), np.arange(9)), -1).reshape(-1, 2) + 3.0)
-    laplacian.place, laplacian.spacing = lattice, np.full(81, step)
-    laplacian.pairs = laplacian.graph()
-    parabola = (lattice[:, 0] ** 2 - 3.0 * lattice[:, 1] ** 2) / step**2
-    assert (laplacian.matrix(0) @ parabola)[40] * step**2 == pytest.approx(4.0, rel=1e-12)  # -(2 - 6)
+    Polygons with sides of two spacings miss 1e-3 of each circle; the bound leaves room for sides of three.
+    """
+    grid = annulus.grid
+    grid.sort()  # particles have moved on
+    assert grid.area.sum() == pytest.approx(3 * np.pi, rel=5e-3)
+    places = grid.place + annulus.problem.origin
+    middle = places[grid.corners].mean(axis=1)
+    side = np.sqrt(4 / np.sqrt(3) * grid.area) / annulus.problem.wanted_spacing.at(middle)
+    assert 1.4 < np.percentile(side, 5) < np.percentile(side, 95) < 3.3  # 2 within sqrt(2), two triangles to a square
+    linear = grid.place @ [1.0, -2.0]
+    away = np.abs(np.hypot(*places.T) - 1.5) < 0.2
+    assert np.abs((grid.stiffness(0) @ linear)[away]).max() < 1e-9 * np.abs(grid.entries).max()
+    points = annulus.boundary.positions
+    inner = np.abs(np.hypot(*(points + annulus.problem.origin).T) - 1.5) < 0.4
+    np.testing.assert_allclose((grid.spread @ linear)[inner], (points @ [1.0, -2.0])[inner], atol=1e-12)
+
+
+def test_iterations_do_not_grow_with_the_ratio(annulus):
+    """Pressures take 1.9 a step, and 0.85 with one spacing; the bound leaves room for arrangements of particles."""
+    problem, places = annulus_case.make(viscosity=0.1)
+    uniform = annulus_case.run(problem, places, steady(places), 2.0, steps=30)
+    assert annulus.iterations[0] / 30 < 3.0 * uniform.iterations[0] / 30
 
 
 def test_part_of_the_kernel_beyond_a_wall():

@@ -198,7 +198,10 @@ class WalledGrid(AuxiliaryGrid):
         self.box, self.velocities = box, velocities
 
     def set_walls(
-        self, distance: Callable[[np.ndarray], np.ndarray], outlet: Callable[[np.ndarray], np.ndarray] | None = None
+        self,
+        distance: Callable[[np.ndarray], np.ndarray],
+        outlet: Callable[[np.ndarray], np.ndarray] | None = None,
+        time: float = 0.0,
     ) -> None:
         """Assemble and factorise the matrix.
 

@@ -15,9 +15,9 @@ from tisph.errors import DivergedError
 from tisph.numerics import SKIN
 from tisph.numerics.auxiliary_grid import PeriodicGrid, WalledGrid
 from tisph.numerics.domain import PeriodicDomain
+from tisph.numerics.graded_grid import GradedGrid
 from tisph.numerics.least_squares import AxisymmetricOperators, LeastSquaresOperators
 from tisph.numerics.point_cloud import PointCloud, active
-from tisph.numerics.point_laplacian import PointLaplacian
 from tisph.numerics.shifting import FickianShifting
 from tisph.runtime import real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
@@ -106,9 +106,9 @@ class PlanarScheme(ControlledScheme):
         self.problem, walls, coupled = problem, problem.walls, self.coupled
         self.points = self.insertion.points = points_of(problem, self.serial)
         self.operators = operators_of(problem, self.points)
-        self.grid: WalledGrid | PeriodicGrid | PointLaplacian
+        self.grid: WalledGrid | PeriodicGrid | GradedGrid
         if self.points.graded:
-            self.grid = PointLaplacian(self.points, problem)
+            self.grid = GradedGrid(self.points, problem, velocities=coupled)
         elif walls:
             self.grid = WalledGrid(self.points, problem, velocities=coupled)
         else:

@@ -243,7 +243,7 @@ class WallBoundary(Boundary):
         for part in self.parts:
             part.approach(in_spacings)
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
-        if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.spacing:
+        if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.wanted_spacing.smallest:
             self.set_grid(time)
 
     def update_velocity(self, time: float) -> None:
@@ -269,7 +269,8 @@ class WallBoundary(Boundary):
 
         On it the pressure is 0 at an outlet.
         """
-        self.grid.set_walls(*(partial(self.walls.distance, time=time, of=each) for each in self.walls.kinds if each))
+        walls = (partial(self.walls.distance, time=time, of=each) for each in self.walls.kinds if each)
+        self.grid.set_walls(*walls, time=time)
         self.grid_time, self.grid_places = time, [part.places() for part in self.parts]
 
     def set_rows(self) -> None:

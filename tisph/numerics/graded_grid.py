@@ -28,6 +28,9 @@ COPIED = 4.0
 THIN = 0.02
 """Area of a triangle, over the square of its longest edge, below which it is left out: corners on a straight wall."""
 
+ON_WALL = 1e-3
+"""Distance from a wall, in largest spacings, up to which a node is on it: moved there, it misses it by round-off."""
+
 SYMMETRIC: Any = {"permc_spec": "MMD_AT_PLUS_A", "options": {"SymmetricMode": True}}
 """Options of the factors of a matrix with a symmetric pattern: a third of the entries of others."""
 
@@ -75,9 +78,9 @@ class GradedGrid:
         ends = outlet or no_walls
         self.place = place = self.placed(distance, ends, time)
         self.triangulate(lambda places: np.minimum(distance(places), ends(places)))
-        largest = self.box.spacing
-        self.free = np.flatnonzero(distance(place) > 1e-3 * largest)
-        self.active = np.flatnonzero((ends(place) > 1e-3 * largest) & (self.volume[0] > 0.0))
+        used, least = self.volume[0] > 0.0, ON_WALL * self.box.spacing
+        self.free = np.flatnonzero(used & (distance(place) > least))
+        self.active = np.flatnonzero(used & (ends(place) > least))
         self.closed = outlet is None
         power = 1 if self.box.axisymmetric else 0
         rows = diags(self.volume[0] / np.maximum(self.volume[power], 1e-300))

@@ -29,7 +29,9 @@ class Bodies:
     body to the mean shear stress. ``normal_stress`` (n,): first normal stress difference of a polymer, along the wall
     less across it, mean over the wall; None without polymer. ``contact_force`` (n, 2), ``contact_torque`` and
     ``contact_stresslet`` (n,): loads of near contact, which are not part of ``force``: 0 without contact, NaN before
-    the first step; None without free bodies.
+    the first step; None without free bodies. ``load_scatter`` (n, 3): scatter of force along x, along y and torque from
+    step to step; ``load_size`` (n, 3): their root mean squares over the same steps. Both are NaN before the fifth step,
+    None for a scheme that does not measure them.
     """
 
     centre: np.ndarray
@@ -45,6 +47,8 @@ class Bodies:
     contact_force: np.ndarray | None = None
     contact_torque: np.ndarray | None = None
     contact_stresslet: np.ndarray | None = None
+    load_scatter: np.ndarray | None = None
+    load_size: np.ndarray | None = None
 
     @classmethod
     def at(

@@ -108,16 +108,17 @@ def test_run_makes_its_folder_and_names_the_results(case, simulation):
 
 def test_a_run_ends_with_errors_forces_and_time_used(case, simulation):
     thin = {**SAMPLE, "t": 0.5, "l2": None, "resolved": False, "reason": "the layer is too thin"}
-    simulation.summary["samples"] = [thin, SAMPLE]
+    simulation.summary["samples"] = [thin, {**SAMPLE, "zero_within_error": "lift, torque"}]
     simulation.summary["error_estimate"] = {"samples": [{"fields": {"velocity": {"error": 0.02}}}, {"fields": {}}]}
     shown = tisph_command("run", "case.yaml").stdout
-    header, _, first, second, reason, cost = [line.split("|") for line in shown.splitlines()[:6]]
+    header, _, first, second, reason, zero, cost = [line.split("|") for line in shown.splitlines()[:7]]
     assert [cell.strip() for cell in header[1:-1]] == ["sample", "t [s]", "L2 error", "wall shear top", "resolved"]
     assert [cell.strip() for cell in first[2:-1]] == ["0.5", "2.0e-02 (estimate)", "0.125", "no"]
     assert [cell.strip() for cell in second[2:-1]] == ["2.7", "1.23e-03", "0.125", "yes"]
     assert reason == ["sample 0 is not resolved: the layer is too thin"]
+    assert zero == ["sample 1: zero within the error: lift, torque"]
     assert cost == ["10 steps, 0.5 s: 0.5 s in the steps, 0.5 s compiling, 0.5 s for output, 0.5 s getting ready"]
-    assert shown.splitlines()[6].startswith("results in ")
+    assert shown.splitlines()[7].startswith("results in ")
 
 
 def test_a_quiet_run_prints_errors_only(case, simulation):

@@ -17,9 +17,9 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import sample_metrics
-from tisph.measures.resolution import LEAST_DEPTH, resolution, steadiness
+from tisph.measures.resolution import LEAST_DEPTH, load_scatters, resolution, steadiness
 from tisph.report.labels import error_label
-from tisph.snapshot import Bodies
+from tisph.snapshot import Bodies, Snapshot
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 NU = 1e-6  # of make_channel, with a spacing of 1e-3
@@ -133,6 +133,79 @@ def test_what_the_steps_have_seen_is_not_resolved(field, resolved, not_resolved,
     assert resolution(channel, 0.0, replace(snapshot, bodies=bodies, **{field: resolved})) == (True, None)
     assert resolution(channel, 0.0, replace(seen, bodies=bodies)) == (False, text)
     assert field == "load_scatter" or sample_metrics(channel, seen, channel.probe_positions(3))["reason"] == text
+
+
+FORCES = {"drag": (5.58, 0.003), "lift": (0.0106, 0.004), "torque": (0.0, 0.0)}
+"""Coefficients of drag and lift of ``cylinder_refined`` at t = 4, and their scatter."""
+
+
+def seen_by(scene, **loads):
+    """A sample of a scene with one body whose ``loads`` have these means and this scatter, which is all there is."""
+    mean, scatter = np.array(list((FORCES | loads).values())).T
+    others = np.full((len(scene.bodies) - 1, 3), np.nan)
+    bodies = Bodies.at(4.0, scene.bodies, np.broadcast_to([*mean, 0.0], (2, len(scene.bodies), 4)))
+    found = replace(
+        bodies, load_scatter=np.vstack([scatter, others]), load_size=np.vstack([np.hypot(mean, scatter), others])
+    )
+    whole = float(np.hypot(*scatter[:2])) / 5.58, 0
+    return Snapshot(4.0, 99, *np.empty((6, 0)), bodies=found, load_scatter=whole)
+
+
+@pytest.fixture(scope="module")
+def stream():
+    return scenes.of(load(CONFIGS / "cylinder_in_stream.yaml"))
+
+
+def test_a_lift_that_scatters_is_not_resolved_beside_a_smooth_drag(stream):
+    """The scatter is 0.1 % of the whole force."""
+    reason = "lift scatters from step to step by 0.35 of itself; resolved up to 0.01"
+    assert resolution(stream, 4.0, seen_by(stream)) == (False, reason)
+    both = seen_by(stream, torque=(0.01, 2e-4))
+    assert "of itself, torque by 0.02; resolved" in resolution(stream, 4.0, both)[1]
+    assert error_label(stream)(both) == "unresolved: lift scatters by 0.35"
+    assert resolution(stream, 4.0, seen_by(stream, lift=(1.0, 0.004))) == (True, None)
+
+
+@pytest.mark.parametrize(
+    "lift",
+    [
+        pytest.param((0.002, 0.004), id="mean below scatter"),
+        pytest.param((5e-3, 1e-4), id="size below a thousandth of the drag"),
+    ],
+)
+def test_a_lift_of_0_by_symmetry_leaves_a_sample_resolved(stream, lift):
+    symmetric = seen_by(stream, lift=lift)
+    assert resolution(stream, 4.0, symmetric) == (True, None)
+    found = load_scatters(stream, symmetric)
+    assert found == {"drag_scatter": 0.003, "lift_scatter": lift[1], "torque_scatter": 0.0, "zero_within_error": "lift"}
+
+
+def test_a_load_that_grows_is_judged_by_its_value_as_well(stream):
+    """Its root mean square over the last steps is far smaller than its value."""
+    growing = seen_by(stream, lift=(1.0, 0.008))
+    growing.bodies.load_size[0, 1] = 0.1
+    assert resolution(stream, 4.0, growing) == (True, None)
+
+
+def test_a_zero_whose_scatter_is_not_small_beside_the_force_is_not_resolved(stream):
+    resolved, reason = resolution(stream, 4.0, seen_by(stream, lift=(0.0, 0.06)))
+    assert not resolved
+    assert reason.startswith("the force on the body at (0.2, 0.2) scatters")
+
+
+def test_loads_that_are_judged_have_the_names_of_their_numbers():
+    named = {
+        name: scenes.of(load(CONFIGS / f"{name}.yaml")).named_loads for name in ("turned_box", "eccentric_annulus")
+    }
+    assert named["turned_box"]["lift_around"] == (1, 1)
+    assert named["eccentric_annulus"] == {
+        "torque_inner": (0, 2), "torque_outer": (1, 2), "force_x": (0, 0), "force_y": (0, 1)
+    }  # fmt: skip
+    assert scenes.of(load(CONFIGS / "sphere_in_stream.yaml")).named_loads == {
+        "force_body_0": (0, 0),
+        "torque_body_0": (0, 2),
+    }
+    assert not scenes.of(load(CONFIGS / "free_cylinder.yaml")).named_loads
 
 
 def pipe(rheology, across, **sections):

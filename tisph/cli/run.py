@@ -59,6 +59,8 @@ def result_text(config: "Config", scene: "Scene", summary: Mapping[str, Any]) ->
             texts.append(f"{len(rows) - MOST_SAMPLES} earlier samples are in summary.json")
         shown = list(enumerate(samples))[-MOST_SAMPLES:]
         texts += [f"sample {index} is not resolved: {each['reason']}" for index, each in shown if not each["resolved"]]
+        zero = [(index, each["zero_within_error"]) for index, each in shown if each.get("zero_within_error")]
+        texts += [f"sample {index}: zero within the error: {names}" for index, names in zero]
         if samples[-1].get("steady_reason"):
             texts.append(f"sample {len(samples) - 1} is not steady: {samples[-1]['steady_reason']}")
     met, cost = summary.get("numbers", {}), summary["cost"]

@@ -344,6 +344,14 @@ class FlowInBox(FlowDefaults):
         """Return a short text and the reason if the flow through ends is not resolved, else None."""
         return None
 
+    @property
+    def named_loads(self) -> dict[str, tuple[int, int]]:
+        """Loads of bodies that are judged by their scatter: name of the number in a sample -> (body, component).
+
+        The components are 0 and 1, forces along x and y, and 2, the torque.
+        """
+        return {}
+
     def drift(self, snapshot: Snapshot) -> float:
         """Return the velocity error common to all fluid and bodies, over the bodies' velocity relative to the fluid.
 

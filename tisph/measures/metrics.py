@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tisph.measures.flow import FlowInBox
-from tisph.measures.resolution import resolution
+from tisph.measures.resolution import load_scatters, resolution
 from tisph.snapshot import Snapshot
 
 
@@ -50,7 +50,7 @@ def sample_metrics(
         "l2": relative_error(scene, snapshot),
         "rms": rms_error(scene, snapshot),
         "linf": None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity,
-        **({} if errors_alone else scene.diagnostics(snapshot, series)),
+        **({} if errors_alone else {**scene.diagnostics(snapshot, series), **load_scatters(scene, snapshot)}),
     }
     numbers = {}
     for key, value in diagnostics.items():

@@ -149,6 +149,53 @@ that force or pressure.
 The error of single steps is three times the scatter (docs/how-to/accuracy.md).
 """
 
+ERROR_OF_LOADS = 1e-3
+"""Error of drag, lift and torque over the largest load on a body: by so much the drag changes with the arrangement of
+the particles (docs/how-to/accuracy.md). Forces that are 0 by symmetry had up to 9e-4 of the whole: the lift of a
+cylinder in the middle of a channel, with a polymer, 24 across."""
+
+
+def load_scatters(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | str | None]:
+    """Return the scatter of each of ``scene.named_loads``, such as ``lift_scatter_0``, and ``zero_within_error``.
+
+    That is the names of the loads that are zero within their error, None without any.
+    """
+    named, bodies = scene.named_loads, snapshot.bodies
+    if not named:
+        return {}
+    known = None if bodies is None else bodies.load_scatter
+    found: dict[str, float | str | None] = {}
+    for name, place in named.items():
+        kind, *rest = name.split("_", 1)
+        found["_".join([kind, "scatter", *rest])] = None if known is None else float(known[place])
+    return {**found, "zero_within_error": ", ".join(_loads_that_scatter(scene, snapshot)[1]) or None}
+
+
+def _loads_that_scatter(scene: FlowInBox, snapshot: Snapshot) -> tuple[dict[str, float], list[str]]:
+    """Return the loads that scatter by more than ``LARGEST_SCATTER`` of themselves, and others that are zero.
+
+    The first are names and scatter over the larger of value and size, the root mean square over the last steps. A load
+    is zero within its error if its mean square is at most twice the square of its scatter, so that its mean is below
+    the scatter, or if its size is at most ``ERROR_OF_LOADS`` times the largest load on a body.
+    """
+    named, bodies = scene.named_loads, snapshot.bodies
+    if not named or bodies is None or bodies.load_scatter is None or bodies.load_size is None:
+        return {}, []
+    sizes = {number: bodies.load_size[number] for number, _ in named.values()}
+    arms = {number: math.sqrt(scene.bodies[number].shape.area / math.pi) for number in sizes}
+    whole = max(max(math.hypot(*size[:2]), size[2] / arms[number]) for number, size in sizes.items())
+    scattering, zero = {}, []
+    for name, (number, part) in named.items():
+        value = abs((*bodies.force[number], bodies.torque[number])[part])
+        scatter, size = bodies.load_scatter[number, part], sizes[number][part]
+        if scatter > LARGEST_SCATTER * max(size, value):
+            error = ERROR_OF_LOADS * whole * (arms[number] if part == 2 else 1.0)
+            if size <= max(math.sqrt(2.0) * scatter, error):
+                zero.append(name)
+            else:
+                scattering[name] = float(scatter / max(size, value))
+    return scattering, zero
+
 
 def resolution(scene: FlowInBox, t: float, snapshot: Snapshot | None = None) -> tuple[bool, str | None]:
     """Return whether the flow of a scene is resolved at time ``t``, and the reason: (True, None) or (False, reason)."""
@@ -195,6 +242,11 @@ def _unresolved_state(scene: FlowInBox, snapshot: Snapshot) -> tuple[str, str] |
         found, number = snapshot.load_scatter[0], int(snapshot.load_scatter[1])
         name, place = scene.bodies[number].load_name(snapshot.bodies.centre[number])
         text = f"the {name} {place} scatters from step to step by {found:.2g} of its size"
+        return f"{name} scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
+    if scattering := _loads_that_scatter(scene, snapshot)[0]:
+        (name, found), *others = sorted(scattering.items(), key=lambda pair: -pair[1])
+        text = f"{name} scatters from step to step by {found:.2g} of itself"
+        text = ", ".join([text, *(f"{other} by {value:.2g}" for other, value in others)])
         return f"{name} scatters by {found:.2g}", f"{text}; resolved up to {LARGEST_SCATTER:g}"
     if snapshot.velocity_scatter is not None and snapshot.velocity_scatter > LARGEST_SCATTER:
         text = f"velocities scatter from step to step by {snapshot.velocity_scatter:.2g} of the largest one"

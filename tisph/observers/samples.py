@@ -70,6 +70,7 @@ class Description:
             loads = {"force": f"{mass} {length}/{time}^2", "torque": f"{mass} {length}^2/{time}^2"}
         fields |= {"contact_force": loads["force"], "t": time}
         fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
+        fields |= dict.fromkeys(("load_scatter", "load_size"), "{force}, {force}, {torque}".format(**loads))
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
         fields |= {"vorticity": f"1/{time}", "area": f"{length}^2"}
         return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}

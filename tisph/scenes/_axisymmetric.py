@@ -175,6 +175,13 @@ class AxisymmetricScene(BodyScene):
         around = STRESSES_AROUND[: None if self.swirls else 1] if self.polymer else ()
         return {**super().initial(x, y), **dict.fromkeys(("w", *around), np.zeros(np.shape(x)))}
 
+    @property
+    def named_loads(self) -> dict[str, tuple[int, int]]:
+        """See ``Scene.named_loads``: loads on closed bodies, unless one is free."""
+        named = [] if self.has_free_bodies else enumerate(zip(self.names, self.bodies, strict=False))
+        closed, kinds = [(index, name) for index, (name, body) in named if body.shape.area], {"force": 0, "torque": 2}
+        return {f"{kind}_{name}": (index, part) for index, name in closed for kind, part in kinds.items()}
+
     def loads(self, snapshot: Snapshot) -> dict[str, float]:
         """Return the fluid's force along the axis and torque around it on each wall: ``force_NAME``, ``torque_NAME``.
 

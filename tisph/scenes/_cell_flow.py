@@ -310,6 +310,13 @@ class CellFlow(BodyScene):
         found = {**self.free_motions(snapshot), **self.mean_stresses(snapshot), **self.loads(snapshot)}
         return {**found, **self.velocities(snapshot), **planar_diagnostics(self, snapshot)[1]}
 
+    @property
+    def named_loads(self) -> dict[str, tuple[int, int]]:
+        """See ``Scene.named_loads``: loads on closed bodies and walls, unless bodies are free."""
+        named = [] if self.has_free_bodies else list(enumerate(zip(self.names, self.solids, strict=False)))
+        closed = [(index, name) for index, (name, body) in named if body.shape.area]
+        return {f"{kind}{name}": (index, part) for index, name in closed for part, kind in enumerate(LOADS)}
+
     def loads(self, snapshot: Snapshot) -> dict[str, float | None]:
         """Return the ``LOADS`` on each body by name, and the part of the pressure with the suffix ``_pressure``.
 

@@ -142,6 +142,11 @@ class BetweenCylinders(BodyScene):
         )
 
     @property
+    def named_loads(self) -> dict[str, tuple[int, int]]:
+        """See ``Scene.named_loads``: the torques."""
+        return {"torque_inner": (0, 2), "torque_outer": (1, 2)}
+
+    @property
     def origin(self) -> tuple[float, float]:
         """Lowest corner of the box around the outer cylinder."""
         return self.centre[0] - self.outer_radius, self.centre[1] - self.outer_radius

@@ -103,6 +103,11 @@ class Scene(BetweenCylinders):
             assumptions["the steady state"] = True
         return Reference("Stokes flow", assumptions)
 
+    @property
+    def named_loads(self) -> dict[str, tuple[int, int]]:
+        """See ``Scene.named_loads``: the torques, and the force on the inner cylinder."""
+        return {**super().named_loads, "force_x": (0, 0), "force_y": (0, 1)}
+
     def stokes(self, inner: Any, outer: Any) -> EccentricCylinders:
         """Return the Stokes flow of cylinders with the angular velocities ``inner`` and ``outer``."""
         return EccentricCylinders(self.inner_radius, self.outer_radius, self.offset, inner, outer)

@@ -154,7 +154,11 @@ def _unbalanced(sample: dict[str, Any], samples: list[dict[str, Any]]) -> float 
     """Return the sum of all forces over the largest; None while the forces still change from sample to sample."""
     at = samples.index(sample)
     drags, before = (
-        [value for name, value in each.items() if name.startswith("drag") and not name.startswith("drag_pressure")]
+        [
+            value
+            for name, value in each.items()
+            if name.startswith("drag") and not name.startswith(("drag_pressure", "drag_scatter"))
+        ]
         for each in (sample, samples[max(at - 1, 0)])
     )
     largest = max(map(abs, drags))

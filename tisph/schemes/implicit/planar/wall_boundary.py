@@ -15,6 +15,7 @@ through the two before and the two after it, which a drag that varies smoothly f
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -61,6 +62,16 @@ def scatter(times: np.ndarray, forces: np.ndarray, turning: np.ndarray) -> tuple
     size = np.sqrt(max(each.mean(axis=0).max() for each in squared_loads))
     worst = int(np.argmax(squares))
     return (math.sqrt(squares[worst]) / size, worst) if size > 0.0 else None
+
+
+def scatter_of_each(times: np.ndarray, loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return ``load_scatter`` and ``load_size`` of ``Bodies`` (bodies, 3) from ``loads`` (steps, bodies, 3).
+
+    ``times`` (steps,), newest first.
+    """
+    if len(times) <= len(CUBIC_NEIGHBOURS):
+        return np.full(loads.shape[1:], np.nan), np.full(loads.shape[1:], np.nan)
+    return scatter_in_time(times, loads), np.sqrt(np.square(loads).mean(axis=0))
 
 
 class WallLoads:
@@ -134,7 +145,15 @@ class WallLoads:
             sum(weight * each for weight, each in zip(level_weights, levels, strict=False)) if levels else None
             for levels in (self.loads, self.normal_stresses)
         )
-        return Bodies.at(time, self.walls.bodies, loads, normals, contact)
+        found, sizes = scatter_of_each(*self.recent)
+        return replace(Bodies.at(time, self.walls.bodies, loads, normals, contact), load_scatter=found, load_size=sizes)
+
+    @property
+    def recent(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times (steps,) and loads (steps, bodies, 3) of the steps whose loads are compared: forces and torques."""
+        count = min(len(self.times), max(FEWEST_LOAD_STEPS, len(self.times) // 2))
+        loads = np.reshape([each[0][:, :3] for each in self.loads[:count]], (-1, len(self.walls.bodies), 3))
+        return np.array(self.times[:count]), loads
 
     def scatter(self, numbers: Sequence[int]) -> tuple[float, int] | None:
         """Return the largest ``scatter`` of the forces on bodies with these ``numbers``, and the number of the body.
@@ -143,12 +162,12 @@ class WallLoads:
         """
         if not numbers:
             return None
-        count = min(len(self.times), max(FEWEST_LOAD_STEPS, len(self.times) // 2))
-        loads = np.reshape([each[0][numbers] for each in self.loads[:count]], (-1, len(numbers), 4))
+        times, loads = self.recent
+        loads = loads[:, numbers]
         shapes = [self.walls.bodies[number].shape for number in numbers]
         # the pressure at an inlet is its load, no torque around some point
         radii = np.array([math.sqrt(shape.area / math.pi) or math.inf for shape in shapes])
-        found = scatter(np.array(self.times[:count]), loads[:, :, :2], loads[:, :, 2] / radii)
+        found = scatter(times, loads[:, :, :2], loads[:, :, 2] / radii)
         return found and (found[0], numbers[found[1]])
 
 

@@ -12,6 +12,7 @@ from vortex_case import VISCOSITY, exact, flow, run
 
 import tisph
 from tisph import runtime
+from tisph.errors import DivergedError
 from tisph.geometry.packing import pack
 from tisph.geometry.region import Region
 from tisph.geometry.wanted_spacing import InBox, WantedSpacing
@@ -96,6 +97,21 @@ def test_a_particle_that_is_inserted_has_the_flow_around_it(annulus):
     found = annulus.insertion.values(position[kept_ones], fields, centre[None])[0]
     np.testing.assert_allclose(found[0, :2], steady(np.array([[0.0, 1.3]]))[0], atol=5e-5)  # degree 4 across 8 spacings
     assert len(gone) > 8
+
+
+@pytest.mark.parametrize(
+    ("share", "reason"), [(1.0, "parts with a small spacing have grown"), (0.5, "particles have clustered")]
+)
+def test_a_run_without_room_for_a_particle_says_why(annulus, monkeypatch, share, reason):
+    """Particles of the wanted spacing fill the fluid; those that are to fill half of it are too many."""
+    hole = np.array([[0.0, 1.3]]) - annulus.problem.origin
+    monkeypatch.setattr(annulus.insertion, "choose", lambda position, time: (np.array([], dtype=int), hole))
+    monkeypatch.setattr(annulus.insertion, "inserted", 0)
+    monkeypatch.setattr(annulus.insertion, "area", share * annulus.insertion.area)
+    monkeypatch.setattr(annulus.points, "capacity", annulus.points.fluid)
+    count = annulus.points.in_fluid
+    with pytest.raises(DivergedError, match=f"x, y: {count + 1} particles, and room for {count}, .*: the {reason}"):
+        annulus.renew_particles(annulus.time)
 
 
 def test_nodes_of_the_graded_grid_fit_walls_and_spacing(annulus):

@@ -124,23 +124,20 @@ class GeneralisedNewtonianStress(ExtraStress):
     def store(self, velocity: Any, step: int) -> float | None:
         """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.
 
-        The sums are over the fluid, and the velocity u along x is relative to the mean one of the walls, or without
-        walls of the fluid. The dissipation is None at rest.
+        The sums are over the fluid, by areas, and the velocity u along x is relative to the mean one of the walls, or
+        without walls of the fluid. The dissipation is None at rest.
         """
         self.begin()
         self.find_added_force(velocity)
-        fluid, radius = (
-            slice(self.points.in_fluid),
-            np.broadcast_to(self.radius, self.points.fluid)[: self.points.in_fluid],
-        )
-        speed = view(velocity)[: self.points.fluid].astype(float)
-        speed[:, 0] -= (
-            speed[self.points.in_fluid :, 0] if self.points.fluid > self.points.in_fluid else speed[:, 0]
-        ).mean()
-        power = speed[fluid] * view(self.added_force)[fluid]
+        fluid, areas = slice(self.points.in_fluid), self.points.areas if self.points.graded else None
+        radius = np.broadcast_to(self.radius, self.points.fluid)[fluid]
+        speed, at_walls = (view(velocity)[part].astype(float) for part in (fluid, self.points.on_walls))
+        speed[:, 0] -= at_walls[:, 0].mean() if len(at_walls) else np.average(speed[:, 0], weights=areas)
+        power = speed * view(self.added_force)[fluid]
         power[:, 1:] *= radius[:, None] ** 2
-        dissipation = radius @ self.dissipation[fluid]
-        return abs(float((radius @ power).sum() / dissipation)) if dissipation > 0.0 else None
+        weight = radius if areas is None else areas * radius
+        dissipation = weight @ self.dissipation[fluid]
+        return abs(float((weight @ power).sum() / dissipation)) if dissipation > 0.0 else None
 
     def wall_stress(self) -> np.ndarray:
         """Return the stress (numbers, count) at the points on walls: xx, xy, yy, in axisymmetric flow xt and yt."""

@@ -88,6 +88,13 @@ class Insertion:
         squares = np.square(self.problem.wanted_spacing.at(np.stack(places, axis=1), time))
         return squares * (self.area / squares.sum())
 
+    def excess(self, position: np.ndarray, time: float) -> str:
+        """Return why there are so many particles at ``position`` (n, 2), in the frame of the scene, in words."""
+        wanted = np.square(self.problem.wanted_spacing.at(position, time)).sum()
+        if wanted > (1.0 + BAND) * self.area:
+            return "the particles have clustered"
+        return "the parts with a small spacing have grown since the start"
+
     def due(self, step: int) -> bool:
         """Return whether particles are looked at after a number of steps."""
         return self.points.graded and step % INTERVAL == 0

@@ -251,7 +251,10 @@ class PlanarScheme(ControlledScheme):
         values = self.insertion.values(position, fields, places)
         walls = position[self.boundary.slots]
         self.insertion.change(particles, crowded, places + self.problem.origin, values)
-        self.require_room("particles", max(0, len(particles.number) + len(walls) - self.points.capacity))
+        room = self.points.capacity - len(walls)
+        if len(particles.number) > room:
+            text = f"x, y: {len(particles.number)} particles, and room for {room}, {self.present_step}"
+            raise DivergedError(f"{text}: {self.insertion.excess(particles.position, time)}")
         self.points.resize(len(particles.number))
         for field, of_particles, others in zip(carried, particles.fields, on_walls, strict=True):
             active(field)[...] = np.concatenate([of_particles, others]).reshape(active(field).shape)

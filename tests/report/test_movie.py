@@ -160,9 +160,9 @@ def test_user_settings_of_matplotlib_do_not_reach_the_picture(renderer):
 CONFIGS = Path(__file__).parents[2] / "configs"
 
 
-def start(name):
+def start(name, *changes):
     """Scene and first snapshot of a config with few particles."""
-    one = config.load(CONFIGS / f"{name}.yaml", ["discretisation.particles_across=20"])
+    one = config.load(CONFIGS / f"{name}.yaml", ["discretisation.particles_across=20", *changes])
     scene = scenes.of(one)
     return scene, start_snapshot(scene, start_values(scene, SimpleNamespace(jitter=0.2, seed=0)), "f64")
 
@@ -174,6 +174,20 @@ def picture(scene, snapshot, **video):
     line = (drawn.quantity.profile.line.place - drawn.layout.low[0]) * drawn.layout.pixels_per_length
     columns = np.arange(box.shape[1])
     return box[:, np.minimum(abs(columns - line), box.shape[1] - abs(columns - line)) > 6]
+
+
+def test_frames_say_how_many_particles_there_are_where_the_spacing_varies():
+    """Of two frames with different numbers at one time the row with the time differs; with one spacing it does not."""
+    for changes, differs in ((["bodies.0.spacing=0.035"], True), ([], False)):
+        scene, snapshot = start("cylinder_in_channel", *changes)
+        drawn, places = Drawn(scene, make_video(960, 480)), [snapshot.x, snapshot.y, 0.0 * snapshot.x]
+        rows = [
+            drawn.render(replace(particles(scene, 0.0, *(each[:count] for each in places)), bodies=snapshot.bodies))[
+                drawn.layout.time_label.slices
+            ].copy()
+            for count in (len(snapshot.x), len(snapshot.x) - 1)
+        ]
+        assert (rows[0] != rows[1]).any() == differs
 
 
 @pytest.mark.parametrize("overlay", ["none", "vectors", "streamlines"])

@@ -192,7 +192,7 @@ class _Stage:
 
     def _facts(self) -> list[str]:
         scene = self.scene
-        facts = [f"Re = {number(scene.reynolds)}", _count(scene)]
+        facts = [f"Re = {number(scene.reynolds)}", *([] if scene.wanted_spacing.varies else [_count(scene)])]
         if scene.polymer:
             facts.insert(1, f"Wi = {number(scene.weissenberg)}")
         if scene.vanishing_scale:  # then errors are given as multiples of it
@@ -249,9 +249,8 @@ class _Stage:
 
 
 def _count(scene: Scene) -> str:
-    """Return how many particles there are, in words."""
-    lattice = not scene.bodies and not scene.wanted_spacing.varies
-    return f"{f'{scene.columns} {TIMES} {scene.rows}' if lattice else scene.particles} particles"
+    """Return how many particles there are, in words, where the spacing does not vary."""
+    return f"{scene.particles if scene.bodies else f'{scene.columns} {TIMES} {scene.rows}'} particles"
 
 
 _OVERLAYS = {"vectors": Vectors, "tracks": Tracks}
@@ -332,6 +331,8 @@ class FrameRenderer:
         for label in self._changing_labels:
             label.paint(picture, snapshot.t)
         time, error, ink = self._time_label(snapshot.t), self._error_label(snapshot), self.layout.theme.text
+        if self.scene.wanted_spacing.varies:  # particles come and go
+            time += f"     {len(snapshot.x)} particles"
         paint_text(picture, self.layout.time_label, time, self.layout.pixels(18), "left", ink)
         paint_text(picture, self.layout.error_label, error, self.layout.pixels(18), "right", ink)
         return picture

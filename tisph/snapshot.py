@@ -152,7 +152,7 @@ class Snapshot:
     @property
     def weight(self) -> Any:
         """Weight of each particle in sums over particles: its area over the mean area (particles,), 1 without areas."""
-        return 1.0 if self.area is None else self.area / np.mean(self.area)
+        return 1.0 if self.area is None else self.area / np.mean(self.area, dtype=float)
 
     def widths(self, spacing: float) -> np.ndarray:
         """Return the widths (particles,) [length] of the particles: roots of their areas, ``spacing`` without areas."""

@@ -9,7 +9,7 @@ from report_scene import END, Drawn, make_annulus, make_channel, make_polymer_ch
 
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
-from tisph.report.quantities import limits_of
+from tisph.report.quantities import Spread, limits_of
 from tisph.snapshot import Snapshot
 
 DEVELOPED = {"initial_state": "developed"}
@@ -22,6 +22,15 @@ def test_ranges_fit_the_run_and_not_the_flow_that_it_would_become():
     assert long == pytest.approx(PARABOLA, rel=1e-12)  # three digits, rounded up: 0.025
     # At mid-gap t* = 0.05 the walls are not felt: u is close to g t, and rounding up adds 1 % at most.
     assert short == pytest.approx(2e-3 * 5.0, rel=0.1)
+
+
+def test_limits_of_stored_frames_whose_areas_vary_have_all_particles():
+    """Frames are in single precision, in which the sum of these weights is off by 2.8."""
+    area = np.repeat(np.float32([1e-4, 1e-4 / 16]), [19_000, 1_000])
+    frame = Snapshot(0.0, 0, *np.tile(np.linspace(0.0, 1.0, len(area)), (6, 1)), area=area)
+    spread = Spread()
+    spread.add(frame.x, frame.weight)
+    assert spread.ends == pytest.approx((0.0, 1.0), abs=0.02)  # limits leave out a hundredth
 
 
 def test_profile_axis_shows_a_flow_back():

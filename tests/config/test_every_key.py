@@ -194,6 +194,8 @@ def candidates(place, kinds, value, settings):
         return [value + 80]
     if key == "discretisation.spacing":
         return [settings.across / (settings.particles_across + more) for more in (1, 2, 4)]
+    if key == "discretisation.refine":
+        return ["auto"] if value and "near" in value[0] else []  # its first run is whole: in one form
     if key == "discretisation.refine.near":
         return ["walls.bottom"]
     found = [each for kind, metadata in kinds for each in values(kind, metadata, value, REQUIRED)]

@@ -112,3 +112,12 @@ def test_check_states_spacings_and_the_particles_that_one_spacing_needs():
     text = "\n".join(described(config, numbers, ()))
     assert "0.0025 to 0.01 m (41 across where it is largest)" in text
     assert f"{numbers['particles']}; {numbers['particles_if_finest']} with the smallest spacing everywhere" in text
+
+
+def test_check_says_that_a_first_run_decides_and_what_follows():
+    config = load(CONFIGS / "cylinder_in_stream.yaml", ["discretisation={particles_across: 32, refine: auto}"])
+    text = "\n".join(described(config, *forecast(config)))
+    least = f"{config.spacing / 8:.4g}"
+    words = f"a first run; the run that follows has about 2 times the particles, spacings of {least} m or more"
+    assert words in text
+    assert "up to 8 times the steps" in text

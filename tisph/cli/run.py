@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tisph.cli.terminal import ConfigFile, Overrides, held_back, out_folder
-from tisph.errors import DivergedError
+from tisph.errors import ConfigError, DivergedError
 from tisph.folder import Folder, claimed
 from tisph.text_table import format_table
 
@@ -159,6 +159,9 @@ def run(
     if estimate_error:
         from tisph.studies.error_estimate import Coarser
 
+        if loaded.discretisation.refine == "auto":
+            text = "the coarser runs need the places of this run: run it without, and then its config.resolved.yaml"
+            raise ConfigError(f"--estimate-error: is not for discretisation.refine = auto: {text}")
         coarser = Coarser(loaded, folder)
     with ExitStack() as stack:
         stack.enter_context(claimed(folder, overwrite=overwrite, resume=resume))

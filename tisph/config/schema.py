@@ -186,7 +186,7 @@ class Config(Model):
     def spacings(self) -> dict[str, float]:
         """The spacings [length] of walls, bodies and places with one of their own, by dotted key."""
         found = {f"{key}.spacing": spacing for key, spacing in self.at_walls("spacing").items()}
-        places = enumerate(self.discretisation.refine)
+        places = enumerate(self.discretisation.places)
         return found | {f"discretisation.refine.{index}.spacing": place.spacing for index, place in places}
 
     @property

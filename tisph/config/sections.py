@@ -119,7 +119,8 @@ class Refinement(Model):
 class Discretisation(Model):
     """Particle spacing [length] or number across (50), smoothing kernel, smoothing length over spacing.
 
-    ``refine``: places with a smaller spacing, which grows by ``growth`` (0.1) times the distance from them.
+    ``refine``: places with a smaller spacing, which grows by ``growth`` (0.1) times the distance from them; or auto,
+    for the places that a first run finds.
     """
 
     exclusive_keys = ("particles_across", "spacing")
@@ -127,11 +128,16 @@ class Discretisation(Model):
 
     particles_across: Count | None = None
     spacing: Positive | None = None
-    refine: Annotated[tuple[Refinement, ...], Field(strict=False, max_length=MOST_PLACES)] = ()
+    refine: number_or(Annotated[tuple[Refinement, ...], Field(strict=False, max_length=MOST_PLACES)], "auto") = ()
     growth: Annotated[float, Field(gt=0, le=LARGEST_GROWTH)] | None = None
     kernel: member_name("kernels") = "quintic_spline"
     smoothing_ratio: Annotated[float, Field(ge=0.8, le=3)] = 1.0
     precision: Literal["f64", "f32"] = "f64"
+
+    @property
+    def places(self) -> tuple[Refinement, ...]:
+        """The places to refine; none before the first run of auto."""
+        return () if self.refine == "auto" else self.refine
 
     @model_validator(mode="before")
     @classmethod

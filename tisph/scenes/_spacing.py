@@ -63,7 +63,7 @@ def sources_of(config: "Config", parts: Mapping[str, Body]) -> list[tuple[str, N
         for body in _named(parts, key)
     ]
     periods: Any = tuple(size if period else 0.0 for size, period in zip(config.extent, config.periodic, strict=True))
-    for index, place in enumerate(config.discretisation.refine):
+    for index, place in enumerate(config.discretisation.places):
         key, how = f"discretisation.refine.{index}", (place.spacing, place.within)
         if place.near:
             found += [(key, NearBody(body, *how)) for body in _named(parts, place.near)]
@@ -133,7 +133,7 @@ Reach = Sequence[tuple[str, Any, float]]
 def _misplaced(config: "Config", flow: Any, parts: Mapping[str, Body]) -> Iterator[Problem]:
     """Yield errors of places to refine that are no part of the flow."""
     low, high = np.array(flow.origin), np.add(flow.origin, flow.extent)
-    for index, place in enumerate(config.discretisation.refine):
+    for index, place in enumerate(config.discretisation.places):
         key, corners = f"discretisation.refine.{index}", np.array(place.box or (place.at, place.at))
         if place.near is not None:
             if not parts:
@@ -147,7 +147,7 @@ def _misplaced(config: "Config", flow: Any, parts: Mapping[str, Body]) -> Iterat
             yield f"{key}.{'box' if place.box else 'at'}", f"must be in the box of the flow, {where}"
 
 
-def _moves(body: Body) -> bool:
+def moves(body: Body) -> bool:
     """Return whether distances from a ``body`` change as it moves."""
     if body.free or isinstance(body.shape, Circle | Line):
         along = np.array([body.motion.x.largest_speed, body.motion.y.largest_speed])
@@ -162,7 +162,7 @@ def _at_ends(config: "Config", flow: Any, parts: Mapping[str, Body], reach: Reac
         side = "left" if end.shape.normal[0] > 0.0 else "right"
         places = end.boundary_points(end.shape.length / PIECES).point
         for key, source, far in reach:
-            if _moves(getattr(source, "body", end)):
+            if moves(getattr(source, "body", end)):
                 yield f"{key}.spacing", "must be left out at a body that moves between open ends"
             apart = float(source.distance(places, flow.start_time).min())
             if apart < far * (1.0 - ROUNDING):
@@ -189,7 +189,7 @@ def _at_moving_parts(config: "Config", flow: Any, parts: Mapping[str, Body], rea
     for key, source, _ in reach:
         centre = getattr(source, "body", None)
         for name, part in parts.items():
-            changes = _moves(part) or (centre is not None and _moves(centre))
+            changes = moves(part) or (centre is not None and moves(centre))
             if part is centre or not (changes or not part.steady):
                 continue
             near_it = [each.spacing for _, each, _ in reach if getattr(each, "body", None) is part]

@@ -70,7 +70,8 @@ def unsupported(config: Config, scheme: str) -> Iterator[Problem]:
         yield f"{slipping}.slip_length", "must be left out with open ends: their profiles have no slip yet"
     if slipping and scheme != "implicit":
         yield "scheme.type", f"{scheme} has no wall with a slip_length ({slipping}); take implicit"
-    varied = next(iter(config.spacings), None)
+    automatic = ["discretisation.refine"] if config.discretisation.refine == "auto" else []
+    varied = next(iter([*config.spacings, *automatic]), None)
     if varied and config.parallel:
         yield varied, "must be left out in parallel flow, whose scheme has one spacing: give more particles across"
     elif varied and scheme != "implicit":

@@ -13,6 +13,7 @@ from tisph.config import schema
 from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.resolution import STEEPEST, resolution
+from tisph.scenes._automatic import FINEST, MORE
 from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.schemes._estimate import (
@@ -190,10 +191,16 @@ def _run_lines(config: Config, numbers: dict[str, Any]) -> list[tuple[str, str]]
     if explicit:
         lines.append(("Mach number", f"{numbers['mach']:.4g}  (peak speed / c)"))
         lines.append(("sound speed c", f"{numbers['sound_speed']:.6g} {length}/{time}"))
+    refine = []
+    if config.discretisation.refine == "auto":
+        least = f"{config.spacing / FINEST:.4g} {length}"
+        text = f"about {MORE:g} times the particles, spacings of {least} or more, and up to {FINEST:g} times the steps"
+        refine.append(("refine auto", f"numbers here are those of a first run; the run that follows has {text}"))
     return [
         *lines,
         ("particle spacing", f"{spacing} {length} ({number})"),
         ("fluid particles", particles),
+        *refine,
         ("time step", step),
         ("steps", f"{steps} from t = {config.start_time:g} to {config.time.end:g} {time}{guessed}"),
         (

@@ -14,10 +14,11 @@ import numpy as np
 
 from tisph import events, version
 from tisph.config import Config
-from tisph.errors import TisphError
+from tisph.errors import DivergedError, TisphError
 from tisph.folder import Folder
 from tisph.observers.protocol import LastStep, StateObserver
 from tisph.report import drawing_process
+from tisph.simulation.first_run import FirstRun
 from tisph.simulation.process import Interrupts, logging_to
 from tisph.simulation.recording import Recording
 from tisph.simulation.simulation import Simulation
@@ -131,6 +132,8 @@ def run(
         interrupts = Interrupts()
         with logging_to(folder.log, append=resume), interrupts.counted():
             imported = np.array([time.perf_counter() - version.PROCESS_START, time.process_time()])
+            if config.discretisation.refine == "auto" and not resume:
+                config = after_first_run(config, interrupts)
             simulation = Simulation.restore(folder.checkpoint, config) if resume else Simulation(config)
             simulation.costs.began, simulation.costs.seconds["import"] = version.PROCESS_START, imported
             recording = Recording(simulation, folder, pictures=pictures, video=video, interrupts=interrupts)
@@ -143,17 +146,42 @@ def run(
     return folder.root
 
 
+def after_first_run(config: Config, interrupts: Interrupts) -> Config:
+    """Return the ``config`` of the run that follows the first run of refine auto, with its places.
+
+    DivergedError where the first run diverges, and KeyboardInterrupt after Ctrl-C.
+    """
+    first = FirstRun(config)
+    simulation = Simulation(first.config)
+    try:
+        simulation.observe(first)
+        print("first run, which tells where particles are to be closer to one another", file=sys.stderr)
+        _step(simulation, interrupts)
+        if not simulation.finished:
+            raise KeyboardInterrupt
+        return first.refined(simulation.scene)
+    except DivergedError as error:
+        raise DivergedError(f"the first run of discretisation.refine: {error}") from error
+    finally:
+        simulation.release()
+
+
+def _step(simulation: Simulation, interrupts: Interrupts) -> None:
+    """Step to the end, or until an interrupt, and show the progress."""
+    scene, end = simulation.scene, simulation.config.time.end
+    with RunProgress(simulation.time, end, scene.particles, scene.units.time) as progress:
+        simulation.observe(progress)
+        simulation.begin()
+        while not simulation.finished and not interrupts.count:
+            simulation.step()
+
+
 def _to_the_end(simulation: Simulation, recording: Recording, interrupts: Interrupts) -> None:
     """Step to the end, or until an interrupt, and write the results, whatever ends the run."""
     try:
         simulation.place()
         interrupts.wait = True
-        scene, end = simulation.scene, simulation.config.time.end
-        with RunProgress(simulation.time, end, scene.particles, scene.units.time) as progress:
-            simulation.observe(progress)
-            simulation.begin()
-            while not simulation.finished and not interrupts.count:
-                simulation.step()
+        _step(simulation, interrupts)
     except KeyboardInterrupt:
         recording.finish("interrupted")
         raise

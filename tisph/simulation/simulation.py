@@ -25,6 +25,7 @@ from tisph.scenes._scene import Scene
 from tisph.schemes._protocol import Scheme
 from tisph.simulation import checkpoint, process
 from tisph.simulation.checkpoint import OTHER_STEPS
+from tisph.simulation.first_run import FirstRun, restored
 from tisph.simulation.process import Costs, interrupts_after, log, warn
 from tisph.simulation.recording import Recording
 from tisph.simulation.state import Callback, LastStep, State, start_snapshot, start_values, useful_threads
@@ -48,6 +49,8 @@ class Simulation:
     functions alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an
     initial velocity in two-dimensional flow; a warning says so where that changes it.
 
+    With ``discretisation.refine: auto`` the first run goes on at once, and ``config`` has the places that it found.
+
     Its steps equal the steps of ``tisph run`` bitwise. After Ctrl-C, which takes effect after the present step, it can
     continue. ``close`` or ``with`` ends it; a process can have one. DivergedError where a state is not sound.
     """
@@ -62,7 +65,16 @@ class Simulation:
         conformation_source: "Field | None" = None,
         **overrides: Any,
     ):
-        self._set_up(loaded(config, overrides), None, initial_velocity, body_force, conformation_source)
+        config, functions = loaded(config, overrides), (initial_velocity, body_force, conformation_source)
+        if config.discretisation.refine == "auto":
+            first = FirstRun(config)
+            self._set_up(first.config, None, *functions)
+            self.observe(first)
+            while not self.finished:
+                self.step()
+            config = first.refined(self.scene)
+            self.release()
+        self._set_up(config, None, *functions)
 
     @classmethod
     def restore(
@@ -81,9 +93,10 @@ class Simulation:
         with samples after the old end. Functions must be given again. ConfigError where the checkpoint does not fit.
         """
         simulation = cls.__new__(cls)
-        if config is None:
-            config = checkpoint.config_of(Path(path))
-        simulation._set_up(loaded(config, overrides), Path(path), None, body_force, conformation_source)
+        config = loaded(checkpoint.config_of(Path(path)) if config is None else config, overrides)
+        if config.discretisation.refine == "auto":
+            config = restored(config, Path(path))
+        simulation._set_up(config, Path(path), None, body_force, conformation_source)
         return simulation
 
     def _set_up(self, config: Config, restored_from: Path | None, *functions: Any) -> None:

@@ -7,6 +7,7 @@ import tisph
 from tisph import simulation
 from tisph.config.loader import load, loaded
 from tisph.folder import Folder
+from tisph.simulation.first_run import FirstRun
 from tisph.simulation.process import Interrupts
 from tisph.simulation.run import after_first_run
 
@@ -112,6 +113,10 @@ def test_particles_in_a_polymer_are_closer_where_a_free_body_has_come():
     assert np.hypot(*(centre - [0.5, 0.65])) > 0.3 * spacing
     away = np.hypot(state.x - centre[0], state.y - centre[1]) - 0.15
     assert width[away < 0.5 * spacing].max() < 0.8 * spacing
+
+
+def test_the_end_counts_where_no_sample_comes_after_the_start():
+    assert FirstRun(loaded(ANNULUS, {"time.samples": [0.0]})).schedule.times == [0.5]
 
 
 def test_an_interrupt_ends_the_first_run_and_frees_the_process():

@@ -26,7 +26,8 @@ class FirstRun(StateObserver):
         growth = given.growth if automatic.spacings else None
         changed = given.model_copy(update={"refine": (), "growth": growth})
         self.config = automatic.model_copy(update={"discretisation": changed})
-        self.schedule = Times([time for time in automatic.time.samples if time > automatic.start_time][-MOST_SAMPLES:])
+        later = [time for time in automatic.time.samples if time > automatic.start_time]
+        self.schedule = Times(later[-MOST_SAMPLES:] or [automatic.time.end])
         self.snapshots: list[Snapshot] = []
 
     def observe(self, snapshot: Snapshot) -> None:

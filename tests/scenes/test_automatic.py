@@ -1,6 +1,6 @@
 """Places to refine, from flows that are fine in one place: the rules for spacings accept them in every kind of flow."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from tisph import scenes
 from tisph.config import load
 from tisph.config.loader import loaded
-from tisph.scenes._automatic import MORE, places_of
+from tisph.scenes._automatic import MORE, _Demand, places_of
 from tisph.scenes._spacing import parts_of
 from tisph.snapshot import STRESSES, Bodies, Snapshot
 
@@ -72,6 +72,23 @@ def test_free_circles_have_one_spacing_together():
     bodies = [body for body in fine.bodies if body.free]
     at_walls = [fine.wanted_spacing.at(body.boundary_points(0.1).point) for body in bodies]
     assert np.ptp(np.concatenate(at_walls)) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("apart", "free", "expected"),
+    [
+        (0.3, np.inf, {"body": 0.02, "wall": 0.05}),  # the wall lies where the spacing has grown to 0.05
+        (1.0, np.inf, {"body": 0.02, "wall": 0.1}),
+        (0.3, 0.6, {"body": 0.04, "wall": 0.07}),  # at 0.6 from the body the spacing must be 0.1
+        (0.3, 0.0, {"body": 0.1, "wall": 0.1}),
+    ],
+)
+def test_a_moving_wall_is_as_fine_as_a_moving_body_near_it_asks(apart, free, expected):
+    pairs = {("body", "wall"): apart, ("wall", "body"): apart}
+    sizes = {"largest": 0.1, "growth": 0.1, "moving": {"body": free, "wall": np.inf}, "apart": pairs}
+    away = {"body": np.array([0.1, 0.1, 1.0, 1.0]), "wall": np.array([1.0, 1.0, 0.1, 0.1])}
+    demand = _Demand(**dict.fromkeys([each.name for each in fields(_Demand)]) | sizes | {"away": away})
+    assert demand.of_moving(np.array([0.02, 0.02, 0.1, 0.1])) == pytest.approx(expected)
 
 
 def test_a_fluid_at_rest_gets_no_places():

@@ -151,6 +151,17 @@ def test_run_estimates_its_error_after_coarser_runs(case, simulation, monkeypatc
     assert simulation.calls == [["across_25", "across_35"], ("case", Path("runs/case"), True, True, False)]
 
 
+def test_no_error_is_estimated_of_a_run_that_finds_its_own_places(case, simulation):
+    past_a_circle = CONFIG.replace("{type: wcsph}", "{type: implicit}").replace(
+        "time:", "bodies: [{centre: [1.0, 0.5], radius: 0.2}]\ntime:"
+    )
+    Path("case.yaml").write_text(f"{past_a_circle}discretisation: {{refine: auto}}\n")
+    done = tisph_command("run", "case.yaml", "--estimate-error")
+    assert done.exit_code == 2
+    assert "run it without, and then its config.resolved.yaml" in done.stderr
+    assert not simulation.calls
+
+
 def test_overwrite_removes_results_and_nothing_else(case, simulation):
     Path("full").mkdir()
     for name in (*RESULTS, "notes.txt"):

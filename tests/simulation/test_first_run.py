@@ -6,6 +6,7 @@ import pytest
 import tisph
 from tisph import simulation
 from tisph.config.loader import load, loaded
+from tisph.errors import DivergedError
 from tisph.folder import Folder
 from tisph.simulation.first_run import FirstRun
 from tisph.simulation.process import Interrupts
@@ -126,3 +127,12 @@ def test_an_interrupt_ends_the_first_run_and_frees_the_process():
         after_first_run(loaded(ANNULUS, {}), interrupts)
     with tisph.Simulation(ANNULUS, **{"discretisation": {"particles_across": 12}}) as sim:
         sim.step()
+
+
+def test_a_first_run_that_diverges_is_named(monkeypatch):
+    def diverge(*_):
+        raise DivergedError("t = 0.1: u is not a finite number")
+
+    monkeypatch.setattr(tisph.Simulation, "step", diverge)
+    with pytest.raises(DivergedError, match=r"the first run of discretisation\.refine: t = 0\.1: u is not"):
+        after_first_run(loaded(ANNULUS, {}), Interrupts())

@@ -83,7 +83,7 @@ def test_free_circles_have_one_spacing_together():
         (0.3, 0.0, {"body": 0.1, "wall": 0.1}),
     ],
 )
-def test_a_moving_wall_is_as_fine_as_a_moving_body_near_it_asks(apart, free, expected):
+def test_a_moving_wall_is_as_fine_as_a_body_near_it_asks(apart, free, expected):
     pairs = {("body", "wall"): apart, ("wall", "body"): apart}
     sizes = {"largest": 0.1, "growth": 0.1, "moving": {"body": free, "wall": np.inf}, "apart": pairs}
     away = {"body": np.array([0.1, 0.1, 1.0, 1.0]), "wall": np.array([1.0, 1.0, 0.1, 0.1])}

@@ -171,7 +171,7 @@ class _Demand:
         """Return the smallest spacing of a place at a distance ``free`` from those that keep the flow's spacing."""
         return np.minimum(self.largest, self.largest - self.growth * np.minimum(free, self.largest / self.growth))
 
-    def reach(self, spacing: float, free: float) -> float:
+    def longest(self, spacing: float, free: float) -> float:
         """Return the distance up to which a ``spacing`` may hold at such a place."""
         return free - (self.largest - spacing) / self.growth
 
@@ -210,17 +210,17 @@ class _Demand:
         They are the point there, and around parts of the boundary. ``own``: spacings of the parts that move.
         """
         x, y = (_rounded(each) for each in self.places[index])
-        found: list[tuple[Any, float, float]] = [({"at": (x, y)}, spacing, self.reach(spacing, self.free[index]))]
-        found += [({"near": key}, spacing, self.reach(spacing, free)) for key, free in self.fixed.items()]
+        found: list[tuple[Any, float, float]] = [({"at": (x, y)}, spacing, self.longest(spacing, self.free[index]))]
+        found += [({"near": key}, spacing, self.longest(spacing, free)) for key, free in self.fixed.items()]
         for key, free in self.moving.items():
             size = max(own[key], spacing)
             others = [self.apart[key, other] - (own[other] - size) / self.growth for other in own if other != key]
-            found.append(({"near": key}, size, min([self.reach(size, free), *others])))
-        for where, size, reach in found:
+            found.append(({"near": key}, size, min([self.longest(size, free), *others])))
+        for where, size, most in found:
             distance = self.distance(Refinement(**where, spacing=size))
             serving = distance[index] - (ENOUGH * spacing - size) / self.growth
             for within in (0.0, *(size * WIDER**k for k in range(WIDTHS))):
-                if serving <= within <= reach:
+                if serving <= within <= most:
                     yield Refinement(**where, spacing=size, within=_rounded(within)), distance
 
 

@@ -81,7 +81,7 @@ def test_shifting_leaves_the_density_as_it_is(annulus):
     """
     position = annulus.boundary.positions
     wanted = annulus.problem.wanted_spacing.at(position[: annulus.points.in_fluid] + annulus.problem.origin)
-    filling = annulus.insertion.filling(position, wanted, annulus.time)
+    filling = annulus.insertion.filling(position, wanted, annulus.time, np.arange(annulus.points.in_fluid))
     assert np.abs(filling - 1.0).max() < 0.08  # 0.05 and the scatter of the arrangement
     assert annulus.insertion.counts == {"inserted": 0, "removed": 0}
 

@@ -158,8 +158,8 @@ STREAM = {
     "discretisation.growth": 0.2,
     "bodies": [{"type": "circle", "centre": [0.5, 0.2], "radius": 0.08, "spacing": 0.41 / 60}],
     "geometry.length": 1.0,
-    "time.end": 0.25,
-    "time.samples": [0.25],
+    "time.end": 0.4,
+    "time.samples": [0.4],
     "output.video": None,
     "runtime.threads": 1,
 }

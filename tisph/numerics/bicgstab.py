@@ -106,8 +106,8 @@ class BiCGStab:
         return bool(norm <= limit)
 
     def forget(self) -> None:
-        """Take note that points have other numbers: right sides and corrections of those without unknowns are 0."""
-        view(self.b)[...] = view(self.correction)[...] = 0.0
+        """Take note that points have other numbers: those without unknowns have 0 in all that others read."""
+        view(self.b)[...] = view(self.correction)[...] = view(self.input)[...] = 0.0
 
     @ti.func
     def update_ghosts(self, values: ti.template(), particles):

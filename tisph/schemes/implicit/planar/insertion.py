@@ -4,11 +4,12 @@ Of each particle i with the spacing h_i the filling is
 
     f_i = (1 + sum_j W(r_ij / (R (h_i + h_j)/2))) 7/(pi R^2 E) / (1 - b_i),    W(q) = (1 - q)^4 (1 + 4 q),
 
-1 for particles at the wanted distances (E is ``EVEN``); b_i is the part of the integral of W beyond the nearest wall. It
-scatters with the arrangement: means of it, with the weights W, count. Where one is above 1 + ``BAND`` the particle is
-removed; where one is below 1 - ``BAND`` a particle is inserted beside it, at the place that is farthest from all
+1 for particles at the wanted distances, E being ``EVEN``; b_i is the part of the integral of W beyond the nearest wall.
+It scatters with the arrangement: means of it, with the weights W, count. Where one is above 1 + ``BAND`` the particle
+is removed; where one is below 1 - ``BAND`` a particle is inserted beside it, at the place that is farthest from all
 others. Within two spacings one particle is removed or inserted at a time. Shifting evens out the rest. Where the
-spacing is the largest one, as many particles flow in as out, and none is removed or inserted.
+spacing is the largest one, as many particles flow in as out, and none is removed or inserted. Particles are looked at
+after each step: in the longest ones they move a spacing, and the wanted number changes by a fifth.
 
 A particle that is inserted takes all its time levels from polynomials of degree 4 through the points around it, of a
 polymer the logarithm of the conformation. So its values have errors of the order h^5, below those of a shift.

@@ -429,6 +429,7 @@ class PlanarScheme(ControlledScheme):
             levels.reorder(self.extra_stress.fields)
         elif self.points.graded:
             self.renew_particles(end)
+        self.boundary.set_spacing(active(levels.position), end)
         self.dts = [dt, *self.dts][: VELOCITIES - 1]
         self.end_step(dt, speed)
         self.iterations = [sum(pair) for pair in zip(self.iterations, self.equations.iterations, strict=True)]
@@ -547,6 +548,7 @@ class PlanarScheme(ControlledScheme):
         super().restore_host_state(state)
         self.insertion.restore(state)
         self.boundary.restore_host_state(state["walls"])
+        self.boundary.set_spacing(active(self.levels.position), self.time)
         for coupling, its in zip(self.couplings, state["couplings"], strict=True):
             coupling.restore_host_state(its)
 

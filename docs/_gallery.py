@@ -141,7 +141,7 @@ def jobs(name, flow):
     """Return the run of a page, and those of its exercises."""
     config = ROOT / "configs" / f"{flow['config']}.yaml"
     settings = flow.get("settings", [])
-    own = Job(name, config, (*settings, *flow.get("movie", []), *MOVIE))
+    own = Job(name, config, (*settings, *MOVIE, *flow.get("movie", [])))
     exercises = (
         Job(f"{name}-{number}", config, (*settings, *exercise["settings"], *NO_MOVIE))
         for number, exercise in enumerate(flow["try"], 1)
@@ -211,6 +211,8 @@ def page(name, flow, up):
     """Return a page as Markdown; ``up`` leads from the page to the folder of its movie."""
     own, *exercises = jobs(name, flow)
     summary = own.summary()
+    chosen = [text.split("=")[0] for text in flow.get("movie", [])]
+    smaller = [text for text in MOVIE if text.split("=")[0] not in chosen]
     parts = [
         f"# {flow['title']}",
         filled(flow["question"], summary, flow["numbers"]),
@@ -222,7 +224,7 @@ def page(name, flow, up):
         f"![{flow['plot_alt']}]({name}-{flow.get('plot', 'profiles')}.png)",
         f"## Try this\n\n{exercise_texts(flow, exercises)}",
         f"## Config\n\n```\n{own.line()}\n```",
-        f"The movie on this page is smaller (`{'`, `'.join(MOVIE)}`).",
+        f"The movie on this page is smaller (`{'`, `'.join(smaller)}`).",
         f"```yaml\n{own.config.read_text(encoding='utf-8').strip()}\n```",
     ]
     return "\n\n".join(part for part in parts if part) + "\n"

@@ -187,7 +187,7 @@ def test_a_load_that_grows_is_judged_by_its_value_as_well(stream):
     assert resolution(stream, 4.0, growing) == (True, None)
 
 
-def test_a_zero_whose_scatter_is_not_small_beside_the_force_is_not_resolved(stream):
+def test_a_zero_that_scatters_beside_the_whole_force_is_not_resolved(stream):
     resolved, reason = resolution(stream, 4.0, seen_by(stream, lift=(0.0, 0.06)))
     assert not resolved
     assert reason.startswith("the force on the body at (0.2, 0.2) scatters")

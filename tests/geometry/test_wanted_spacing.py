@@ -8,7 +8,7 @@ from tisph.geometry.circle import Circle
 from tisph.geometry.ellipse import Ellipse
 from tisph.geometry.line import Line
 from tisph.geometry.motion import RigidMotion, WallMotion
-from tisph.geometry.wanted_spacing import InBox, NearBody, WantedSpacing, graded_boundary
+from tisph.geometry.wanted_spacing import InBox, InGaps, NearBody, WantedSpacing, arc_lengths, graded_boundary
 
 
 def test_spacing_grows_with_the_distance_from_a_circle():
@@ -88,3 +88,19 @@ def test_points_above_an_axis_begin_and_end_half_a_spacing_from_it():
     assert wall.length.sum() == pytest.approx(np.pi, rel=1e-13)
     heights = wall.point[[0, -1], 1]
     np.testing.assert_allclose(heights, 0.5 * wanted.at(wall.point[[0, -1]]), rtol=0.05)
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_lengths_along_a_wall_are_those_of_its_points(name):
+    """Of evenly spaced points, whose distances along the wall are known: to 1e-5 of a radius, as stated."""
+    shape = WALLS[name].shape
+    points = shape.boundary_points(0.1)
+    expected = points.length[0] * (np.arange(len(points.length)) + 0.5)
+    np.testing.assert_allclose(arc_lengths(shape, points.point), expected, atol=1e-5)
+
+
+def test_a_gap_has_a_quarter_of_its_width_and_the_smallest_spacing():
+    """Two circles 0.2 and 0.01 apart, on the line of centres; a third one far away does not count."""
+    circles = [Body(Circle(0.3), (x, 0.0)) for x in (0.0, 0.8, 1.41)]
+    wanted = WantedSpacing(1.0, [InGaps(circles, 0.01, 0.1)], growth=0.1)
+    np.testing.assert_allclose(wanted.at(np.array([[0.35, 0.0], [0.4, 0.0], [1.105, 0.0]])), [0.05, 0.05, 0.01])

@@ -17,11 +17,12 @@ from tisph.studies.error_estimate import Coarser
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
+SLIPS = "bodies.0.slip_length=0.01"
+
 TOO_NEAR = [
-    ("cylinder_in_channel", "bodies.0.spacing=0.02", "bodies.0.motion=free", "bodies.0.centre=[1.0, 0.35]"),
-    ("cylinder_in_channel", "discretisation.refine=[{at: [1.0, 0.8], spacing: 0.02, within: 0.05}]"),
+    ("cylinder_in_channel", "bodies.0.spacing=0.02", "bodies.0.motion=free", "bodies.0.centre=[1.0, 0.35]", SLIPS),
+    ("cylinder_in_channel", "discretisation.refine=[{at: [1.0, 0.8], spacing: 0.02, within: 0.05}]", SLIPS),
     ("cylinder_in_stream", "discretisation.particles_across=20", "bodies.0.spacing=0.004"),
-    ("drafting_kissing_tumbling", "bodies.0.spacing=0.01"),
     ("cavity", "discretisation.refine=[{at: [0.5, 0.8], spacing: 0.005, within: 0.1}]"),
 ]
 """Config and changes: a smaller spacing reaches a wall of another one, an end, or the corner of a lid."""
@@ -72,6 +73,28 @@ def test_bodies_and_walls_have_the_names_of_their_keys(config, names):
         flow = scenes.of(whole.model_copy(update={"discretisation": refined}))
         points = part.boundary_points(0.1 * part.shape.length).point
         assert np.allclose(flow.wanted_spacing.at(points), 0.5 * whole.spacing)
+
+
+def test_points_on_walls_without_slip_may_come_closer():
+    config, *changes, _ = TOO_NEAR[0]
+    flow = scenes.of(load(CONFIGS / f"{config}.yaml", changes))
+    wall = flow.bodies[1].boundary_points(0.05).point
+    assert flow.wanted_spacing.at(wall).min() < 0.9 * flow.spacing
+
+
+GAPS = ["bodies.1.centre=[0.6, 0.75]", "discretisation.refine=[{near: gaps, spacing: 0.01}]"]
+
+
+def test_gaps_have_a_share_of_their_width():
+    """A quarter of it, but at least the given spacing; where bodies are later by their places then."""
+    flow = scenes.of(load(CONFIGS / "drafting_kissing_tumbling.yaml", GAPS))
+    assert flow.wanted_spacing.between(*flow.bodies[:2], 0.0) == pytest.approx(0.25 * 0.05, rel=1e-4)  # of 1000 places
+    nothing = np.zeros((len(flow.bodies), 2))
+    centre = np.array([[0.9, 0.75], [0.62, 0.75], [0.0, 0.0], [0.0, 0.0]])
+    bodies = SimpleNamespace(centre=centre, velocity=nothing, angle=nothing[:, 0], angular_velocity=nothing[:, 0])
+    later = flow.seen(SimpleNamespace(t=1.0, bodies=bodies))
+    assert later.wanted_spacing.between(*later.bodies[:2], 1.0) == pytest.approx(0.01)
+    assert flow.contact_distance == pytest.approx(2 * 0.01)
 
 
 def test_places_and_circles_of_a_suspension_have_periods():

@@ -112,6 +112,8 @@ def _too_close(bodies: Sequence[Body], walls: Walls, wanted: WantedSpacing, time
         for name, wall in walls.items():
             apart, spacing = gap(body, wall, time), min(spacings[i], of_walls[name])
             if apart < LEAST_GAP * spacing * short:
+                spacing = min(spacing, wanted.between(body, wall, time))
+            if apart < LEAST_GAP * spacing * short:
                 yield f"bodies.{i}.centre", _words(apart, name, spacing, time)
     for enters in sorted({body.enters for body in bodies}):
         together = [index for index, body in enumerate(bodies) if body.enters == enters]
@@ -120,6 +122,8 @@ def _too_close(bodies: Sequence[Body], walls: Walls, wanted: WantedSpacing, time
             continue
         i, j = (together[index] for index in pair)
         spacing = min(spacings[i], spacings[j])
+        if apart < LEAST_GAP * spacing * short:
+            spacing = min(spacing, wanted.between(bodies[i], bodies[j], time))
         if apart >= LEAST_GAP * spacing * short:
             continue
         if i == j:

@@ -101,10 +101,15 @@ class Fluid(Model):
 Place = Annotated[tuple[Signed, Signed], Field(strict=False)]
 
 
+GAPS = "gaps"
+"""Name of all gaps between bodies and walls."""
+
+
 class Refinement(Model):
     """A smaller ``spacing`` [length] of particles up to the distance ``within`` [length] from a place.
 
-    The place is a body or a wall, ``near`` it by its key, a ``box`` from its lowest to its highest corner, or a point.
+    The place is a body or a wall, ``near`` it by its key, a ``box`` from its lowest to its highest corner, or a point;
+    or ``near: gaps``, where ``spacing`` is the smallest one in narrow gaps between bodies and walls.
     """
 
     exclusive_keys = ("near", "box", "at")

@@ -6,7 +6,7 @@ with the spacing H of the flow, the growth g per distance, and of each source k 
 it, and the distance w_k up to which its spacing holds. Without sources it is H everywhere.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from tisph.geometry.body import Body
 from tisph.geometry.region import nearest_image
-from tisph.geometry.shape import Boundary
+from tisph.geometry.shape import Boundary, Shape
 
 GROWTH = 0.1
 """Usual growth of the spacing over the distance from a source: neighbours differ by a tenth."""
@@ -37,6 +37,9 @@ class Source(Protocol):
     def distance(self, places: np.ndarray, time: float) -> np.ndarray:
         """Return the distances (n,) of ``places`` (n, 2) from the source at ``time``."""
 
+    def placed(self, now: Callable[[Body], Body]) -> "Source":
+        """Return the source with each body replaced by the one that it is ``now``."""
+
 
 @dataclass(frozen=True)
 class NearBody:
@@ -49,6 +52,10 @@ class NearBody:
     def distance(self, places: np.ndarray, time: float) -> np.ndarray:
         """Return the distances (n,) of ``places`` (n, 2) from the wall at ``time``; 0 beyond it."""
         return np.maximum(self.body.nearest(places, time).distance, 0.0)
+
+    def placed(self, now: Callable[[Body], Body]) -> "NearBody":
+        """Return the source with its body as it is ``now``."""
+        return replace(self, body=now(self.body))
 
 
 @dataclass(frozen=True)
@@ -69,6 +76,37 @@ class InBox:
         low, high = np.array(self.low), np.array(self.high)
         away = np.abs(nearest_image(places - 0.5 * (low + high), np.array(self.periods))) - 0.5 * (high - low)
         return np.hypot(*np.maximum(away, 0.0).T)
+
+    def placed(self, now: Callable[[Body], Body]) -> "InBox":
+        """Return the source, which stays."""
+        return self
+
+
+SHARE = 0.25
+"""Spacing in a narrow gap between two walls over its width."""
+
+
+@dataclass(frozen=True)
+class InGaps:
+    """The ``Source`` in gaps between ``bodies`` and walls: the spacing is a ``SHARE`` of the gap, at least ``spacing``.
+
+    The gap at a place is the sum of its distances to the two nearest walls. ``growth``: g of ``WantedSpacing``.
+    """
+
+    bodies: Sequence[Body]
+    spacing: float
+    growth: float = GROWTH
+    within: float = 0.0
+
+    def distance(self, places: np.ndarray, time: float) -> np.ndarray:
+        """Return the distances (n,) from the source that have these spacings."""
+        apart = np.array([body.nearest(places, time).distance for body in self.bodies])
+        gap = np.maximum(np.sort(apart, axis=0)[:2], 0.0).sum(axis=0)
+        return np.maximum(SHARE * gap - self.spacing, 0.0) / self.growth
+
+    def placed(self, now: Callable[[Body], Body]) -> "InGaps":
+        """Return the source with the bodies as they are ``now``."""
+        return replace(self, bodies=tuple(map(now, self.bodies)))
 
 
 @dataclass(frozen=True)
@@ -147,6 +185,18 @@ def graded_boundary(body: Body, wanted: WantedSpacing, time: float = 0.0, above_
     around, middle = np.array([ends[0], *point, ends[1]]), np.append(along, along[-1] + step) - 0.5 * step
     foot = shape.nearest(np.stack([np.interp(arc, middle, values) for values in around.T], axis=1))
     return Boundary(foot.point, foot.normal, foot.curvature, _weights(arc, along[-1], closed))
+
+
+def arc_lengths(shape: Shape, places: np.ndarray) -> np.ndarray:
+    """Return the lengths (n,) along the outline of a ``shape`` up to ``places`` (n, 2) on it, to 1e-5 of its radii."""
+    from scipy.spatial import cKDTree
+
+    count = max(4.0, FINER * shape.length / shape.smallest_radius)  # of a straight wall 4
+    fine = shape.boundary_points(shape.length / round(count))
+    nearest = cKDTree(fine.point).query(places)[1]
+    along = fine.normal[:, ::-1] * [-1.0, 1.0]
+    along *= np.sign(along[0] @ (fine.point[1] - fine.point[0]))
+    return fine.length[0] * (nearest + 0.5) + np.sum((places - fine.point[nearest]) * along[nearest], axis=1)
 
 
 def _weights(arc: np.ndarray, length: float, closed: bool) -> np.ndarray:

@@ -134,10 +134,9 @@ class PointCloud:
         """Sum of these areas."""
         return float(self.areas.sum()) if self.graded else self.in_fluid
 
-    def resize(self, inside: int) -> None:
-        """Let there be ``inside`` particles, with the points on walls after them."""
-        self.fluid += inside - self.in_fluid
-        self.in_fluid = inside
+    def resize(self, inside: int, on_walls: int) -> None:
+        """Let there be ``inside`` particles, with the points ``on_walls`` after them."""
+        self.fluid, self.in_fluid = inside + on_walls, inside
         view(self.particles)[()], view(self.n_fluid)[()] = self.fluid, inside
         for field in self.counted:
             field.used = (*field.used[:-1], slice(self.fluid))

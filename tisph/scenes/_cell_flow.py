@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from tisph.config.schema import Config
+from tisph.config.sections import GAPS
 from tisph.geometry.body import POINTS, Body, gaps_below, smallest_gap
 from tisph.geometry.motion import WallMotion
 from tisph.geometry.outline import EndToEnd
@@ -77,7 +78,10 @@ TOGETHER = 1e-3
 
 
 def _at_free_bodies(config: Config) -> float:
-    """Return the largest particle spacing [length] at the free bodies of a ``config``."""
+    """Return the largest particle spacing [length] at the free bodies of a ``config``, or that of gaps between them."""
+    gaps = [place.spacing for place in config.discretisation.refine if place.near == GAPS]
+    if gaps:
+        return min(gaps)
     listed = config.bodies if isinstance(config.bodies, tuple) else (config.bodies,)
     return max((body.spacing or config.spacing for body in listed if body.motion == "free"), default=config.spacing)
 

@@ -18,7 +18,6 @@ from tisph.geometry.body import Body
 from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
-from tisph.geometry.wanted_spacing import NearBody
 from tisph.measures.flow import FlowInBox
 from tisph.scenes._views import COLOURS, ERRORS, ExtraSeries, MovieView, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Bodies, Snapshot
@@ -275,10 +274,7 @@ class BodyScene(Scene):
                 angle = float(found.angle[index]) - snapshot.t * rotation
                 bodies[index] = replace(body, centre=centre, angle=angle, motion=motion, enters=-math.inf)
         now = dict(zip(map(id, self.bodies), bodies, strict=True))
-        sources = [
-            replace(each, body=now.get(id(each.body), each.body)) if isinstance(each, NearBody) else each
-            for each in self.spacing_sources
-        ]
+        sources = [each.placed(lambda body: now.get(id(body), body)) for each in self.spacing_sources]
         changed: Any = {"bodies": tuple(bodies), "spacing_sources": tuple(sources)}
         scene = replace(self, **changed)
         vars(scene)["region"] = self.region  # only its area is needed, which stays

@@ -14,17 +14,17 @@ from tisph import registry
 from tisph.config.base import Problem
 from tisph.config.fields import nearest
 from tisph.config.schema import too_many
-from tisph.config.sections import LARGEST_GROWTH
+from tisph.config.sections import GAPS, LARGEST_GROWTH
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.line import Line
-from tisph.geometry.wanted_spacing import GROWTH, InBox, NearBody, WantedSpacing
+from tisph.geometry.wanted_spacing import GROWTH, InBox, InGaps, NearBody, Source, WantedSpacing
 
 if TYPE_CHECKING:
     from tisph.config.schema import Config
     from tisph.measures.flow import FlowInBox
 
-FINEST = 16
+FINEST = 64
 """Largest ratio of the spacing of the flow to another one."""
 
 CLEAR_OF_CORNERS = 6.0
@@ -55,9 +55,9 @@ def _key(name: str) -> str:
     return own if own == "sphere" else f"bodies.{own or 0}" if not own or own.isdigit() else f"walls.{own}"
 
 
-def sources_of(config: "Config", parts: Mapping[str, Body]) -> list[tuple[str, NearBody | InBox]]:
+def sources_of(config: "Config", parts: Mapping[str, Body]) -> list[tuple[str, Source]]:
     """Return pairs (dotted key, source) of a ``config`` whose ``parts`` are bodies and walls by dotted key."""
-    found: list[tuple[str, NearBody | InBox]] = [
+    found: list[tuple[str, Source]] = [
         (key, NearBody(body, spacing))
         for key, spacing in config.at_walls("spacing").items()
         for body in _named(parts, key)
@@ -65,7 +65,9 @@ def sources_of(config: "Config", parts: Mapping[str, Body]) -> list[tuple[str, N
     periods: Any = tuple(size if period else 0.0 for size, period in zip(config.extent, config.periodic, strict=True))
     for index, place in enumerate(config.discretisation.places):
         key, how = f"discretisation.refine.{index}", (place.spacing, place.within)
-        if place.near:
+        if place.near == GAPS:
+            found.append((key, InGaps(tuple(parts.values()), place.spacing, config.discretisation.growth or GROWTH)))
+        elif place.near:
             found += [(key, NearBody(body, *how)) for body in _named(parts, place.near)]
         else:
             corners: Any = place.box or (place.at, place.at)
@@ -110,7 +112,8 @@ def spacing_problems(config: "Config") -> Iterator[Problem]:
         yield from wrong
         return
     reach = [(key, source, source.within + (largest - source.spacing) / growth) for key, source in sources]
-    for find in (_at_ends, _at_corners, _at_moving_parts):
+    keep = flow.flows_through or any(body.slip_length for body in flow.bodies)
+    for find in (_at_ends, _at_corners, *([_at_moving_parts] if keep else [])):
         if wrong := list(find(config, flow, parts, reach)):
             yield wrong[0]
             return
@@ -138,6 +141,9 @@ def _misplaced(config: "Config", flow: Any, parts: Mapping[str, Body]) -> Iterat
         if place.near is not None:
             if not parts:
                 yield f"{key}.near", "must be left out in a flow without bodies and walls: give at, or box"
+            elif place.near == GAPS:
+                if len(parts) < 2 or place.within:
+                    yield f"{key}.near", "must be left out with one body or wall alone, and where within is given"
             elif not _named(parts, place.near):
                 yield f"{key}.near", f"must be one of {', '.join(parts)}{nearest(place.near, parts)}"
         elif (corners[0] > corners[1]).any():

@@ -6,6 +6,7 @@ The problem that the scheme solves is a box, a fluid, scales, and the walls in i
 import itertools
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -49,6 +50,9 @@ IN_PASSAGES = 1.5
 IN_PIPES = 2.0
 """The same in a pipe with open ends."""
 
+PLACES, NEAREST = 100, 1e-6
+"""Places around a body at which the velocity of the flow is estimated; their least distance from walls in spacings."""
+
 FACTORS = 0.5, 2.0
 """Steps of a run over the estimated ones, least and most. Of 34 configs and 46 cells of the stability matrix they were
 0.53 to 1.9, but 2.8 in ``segre_silberberg`` and 4.0 in ``contraction``: ``benchmarks/estimates.py``."""
@@ -78,7 +82,7 @@ def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     """Return the estimates of a run for ``tisph check``: steps from its scales; none of errors."""
     tolerance, courant = _steps(config)
     slow = is_slow(scene, courant)
-    limits = {"cfl": courant * scene.wanted_spacing.smallest / courant_speed(0.0, scene)}
+    limits = {"cfl": courant * _passing_time(scene, courant_speed(0.0, scene))}
     if not slow:
         limits["viscous"] = viscous_step(scene)
     binding = min(limits, key=lambda name: limits[name])
@@ -100,6 +104,33 @@ def estimates(config: Config, scene: Scene) -> SchemeEstimates:
     }
 
 
+def _passing_time(scene: Scene, speed: float) -> float:
+    """Return the shortest time in which fluid with at most this ``speed`` moves by the spacing of its place.
+
+    Free bodies among walls that alone drive the flow move with it. Its velocity there, as far from the centre of the
+    body as its surface is, is the mean of the velocities of the walls over their distances: exact between two walls.
+    """
+    wanted = scene.wanted_spacing
+    walls = [body for body in scene.bodies if not body.free]
+    motions: list[Any] = [body.motion for body in scene.bodies if body.free]
+    loads = [motion.inertia.load for motion in motions]
+    pushed = scene.acceleration or scene.kept_mean_velocity or scene.flows_through or np.any(loads)
+    if not (wanted.varies and walls and loads) or pushed:
+        return wanted.smallest / speed
+    fastest, at = speed / scene.spacing, [wall.at(scene.start_time) for wall in walls]
+    for body in scene.bodies:
+        outline = body.boundary_points(body.shape.length / PLACES).point
+        away = outline - body.centre
+        places = body.centre + body.bounding_radius / np.hypot(*away.T)[:, None] * away if body.free else outline
+        feet = [wall.nearest(places) for wall in at]
+        nearness = np.stack([1.0 / np.maximum(foot.distance, NEAREST * scene.spacing) for foot in feet])
+        velocities = np.stack([wall.velocity(foot.point) for wall, foot in zip(at, feet, strict=True)])
+        flow = np.einsum("wn,wnc->nc", nearness / nearness.sum(axis=0), velocities)
+        rates = np.hypot(*flow.T) / wanted.at(outline)
+        fastest = max(fastest, float(rates.max()))
+    return 1.0 / fastest
+
+
 def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None, courant: float) -> list[int]:
     """Return the steps up to each of the times ``ends``.
 
@@ -115,9 +146,7 @@ def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None,
     vortices = not scene.bodies or (not filled and (turns or not any(scene.periodic)))
     speed = courant_speed(0.0 if turns else scene.reference_velocity, scene)
     peak = IN_PIPES if open_ended and scene.axisymmetric else IN_PASSAGES
-    allowed = (
-        courant * scene.wanted_spacing.smallest / (speed * (peak if scene.kept_mean_velocity or open_ended else 1.0))
-    )
+    allowed = courant * _passing_time(scene, speed * (peak if scene.kept_mean_velocity or open_ended else 1.0))
     if not is_slow(scene, courant):
         allowed = min(allowed, viscous_step(scene))
     first, growth = first_step(allowed, scene), LARGEST_MULTISTEP_FACTOR
@@ -132,7 +161,7 @@ def _guessed_steps(scene: Scene, ends: Sequence[float], tolerance: float | None,
         growth = min(growth, 1.0 + accurate * STARTING) if starts else growth
     grown = allowed / (growth - 1.0)  # time at which steps that are a part of it are as long as allowed
     decay = 0.0 if scene.bodies else 2.0 * scene.kinematic_viscosity * (2.0 * np.pi / scene.reference_length) ** 2
-    longest = courant * scene.wanted_spacing.smallest / courant_speed(0.0, scene)
+    longest = courant * _passing_time(scene, courant_speed(0.0, scene))
     fading = np.log(longest / allowed) / decay if decay else np.inf  # time in which the steps of slower vortices grow
     decayed = -np.log(SMALLEST_SCALE)  # decay x time from which on errors refer to a constant velocity
 

@@ -154,6 +154,14 @@ class Boundary:
             relative = self.set_spacing(view(points.position)[: points.fluid], time)
             self.set_supports(np.ones(points.fluid), relative)
 
+    def renew_points(self, time: float) -> Any:
+        """Place points on walls anew at ``time``: there are none."""
+        return None
+
+    def places_on_walls(self, time: float) -> np.ndarray:
+        """Return the positions (0, 2) of the points on walls."""
+        return np.empty((0, 2))
+
     def set_spacing(self, positions: np.ndarray, time: float) -> np.ndarray:
         """Set the spacings at ``positions`` (points, 2) and ``time``; return them over the largest one, (points,)."""
         points, problem = self.levels.points, self.problem

@@ -245,22 +245,28 @@ class PlanarScheme(ControlledScheme):
         return particles, [value[self.boundary.slots] for value in values]
 
     def renew_particles(self, time: float) -> None:
-        """Remove particles where they crowd at ``time``, and insert others where they are sparse."""
-        levels, position = self.levels, active(self.levels.position).astype(float)
+        """Remove particles where they crowd at ``time``, and insert others where they are sparse.
+
+        Points on walls are placed anew where another spacing is wanted.
+        """
+        levels, boundary, position = self.levels, self.boundary, active(self.levels.position).astype(float)
         crowded, places = self.insertion.choose(position, time)
-        if not len(crowded) + len(places):
+        splines = boundary.renew_points(time)
+        if splines is None and not len(crowded) + len(places):
             return
         carried = [levels.fields, levels.divergence, *self.extra_stress.fields]
         fields = [active(field).reshape(self.points.fluid, -1) for field in carried]
         particles, on_walls = self.particles_with(fields)
         values = self.insertion.values(position, fields, places)
-        walls = position[self.boundary.slots]
+        walls = position[boundary.slots]
+        if splines is not None:
+            on_walls, walls = [splines @ each for each in on_walls], boundary.places_on_walls(time)
         self.insertion.change(particles, crowded, places + self.problem.origin, values)
         room = self.points.capacity - len(walls)
         if len(particles.number) > room:
             text = f"x, y: {len(particles.number)} particles, and room for {room}, {self.present_step}"
             raise DivergedError(f"{text}: {self.insertion.excess(particles.position, time)}")
-        self.points.resize(len(particles.number))
+        self.points.resize(len(particles.number), len(walls))
         for field, of_particles, others in zip(carried, particles.fields, on_walls, strict=True):
             active(field)[...] = np.concatenate([of_particles, others]).reshape(active(field).shape)
         active(levels.position)[...] = np.concatenate([particles.position - self.problem.origin, walls])
@@ -539,7 +545,10 @@ class PlanarScheme(ControlledScheme):
             assert problem.walls is not None
             walls = problem.walls.of_bodies(self.exchange.in_fluid)
             self.build(replace(problem, walls=walls, n_fluid=state["bodies"]["particles"]))
-        self.points.resize(state["bodies"]["particles"])
+        walls = self.problem.walls
+        if walls:
+            walls.restore(state["walls"]["points"])
+        self.points.resize(state["bodies"]["particles"], walls.count if walls else 0)
         self.levels.passages = np.zeros(self.points.in_fluid, dtype=int)
         self.grid.forget()
 

@@ -246,9 +246,9 @@ class WallBoundary(Boundary):
     def move(self, time: float) -> None:
         """Set the points at ``time``, and planes, supports and radii of all points by their nearest walls."""
         positions, n_fluid = view(self.points.position), self.points.in_fluid
-        position, self.normals = self.walls.at(time)
+        _, self.normals = self.walls.at(time)
         self.update_velocity(time)
-        positions[self.slots] = position % [self.problem.length, self.problem.height]
+        positions[self.slots] = self.places_on_walls(time)
         positions = positions[: self.points.fluid]
         planes, distances, curvatures = self.walls.nearest_walls(positions, time)
         relative = self.set_spacing(positions, time)
@@ -264,6 +264,17 @@ class WallBoundary(Boundary):
         inwards = np.abs(self.walls.inwards(self.normals, self.velocity)[self.walls.solid]).max()
         if self.grid_time is None or inwards * abs(time - self.grid_time) > self.problem.wanted_spacing.smallest:
             self.set_grid(time)
+
+    def renew_points(self, time: float) -> Any:
+        """Place points on walls anew; see ``WallPoints.renew``."""
+        splines = self.walls.renew(time)
+        if splines is not None:
+            self.normal_curls = [splines @ curls for curls in self.normal_curls]
+        return splines
+
+    def places_on_walls(self, time: float) -> np.ndarray:
+        """Return the positions (count, 2) of the points at ``time``, in the box."""
+        return self.walls.at(time)[0] % [self.problem.length, self.problem.height]
 
     def update_velocity(self, time: float) -> None:
         """Set the velocities of the points at ``time``, with what the parts know of them at present."""
@@ -494,7 +505,8 @@ class WallBoundary(Boundary):
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         curls = [curls.tolist() for curls in self.normal_curls]
-        state = {"normal_curls": curls, **self.loads.state(), "grid": [self.grid_time, self.grid_places]}
+        grid = [self.grid_time, self.grid_places]
+        state = {"normal_curls": curls, **self.loads.state(), "grid": grid, "points": self.walls.state()}
         for part in self.parts:
             state |= part.host_state()
         return state

@@ -19,7 +19,7 @@ from tisph.geometry.body import BodyState, SlidingWall
 from tisph.geometry.ends import LEAST_DISTANCE, Inlet, OpenEnd, Outlet
 from tisph.geometry.line import Line
 from tisph.geometry.shape import Boundary
-from tisph.geometry.wanted_spacing import WantedSpacing, graded_boundary
+from tisph.geometry.wanted_spacing import WantedSpacing, arc_lengths, graded_boundary
 
 WALL_DISTANCE = 2.9
 """Distance from a wall below which the support is wider, in particle spacings."""
@@ -49,6 +49,9 @@ around it. The support is 4.5 spacings and more, and the other side of the centr
 MAX_WALLS = 2
 """Number of the nearest walls that count for a particle."""
 
+UNLIKE = 0.15
+"""Logarithm of the spacing of a point over the one that is wanted there, from which on a wall has its points anew."""
+
 NEAR_AXIS = 2.0
 """Distance from the axis, in particle spacings, up to which operators do not use the curvature of walls. With 3 to 5
 the least eigenvalue of D G L^-1, divergence, gradient and inverse Laplacian of the pressure, is -0.08 to -0.15 beside a
@@ -65,7 +68,8 @@ class WallPoints:
     ``periods`` (2,) of the box, huge where it is not periodic. ``spacings`` (count,): distances along the wall between
     the points, those ``wanted`` at the ``start``, or the ``spacing`` where it does not vary.
 
-    Steady walls are placed once. ``unsteady``: numbers of the other bodies, ``free`` of those that the flow moves.
+    Steady walls are placed once; points are placed anew on walls where another spacing is wanted, ``renew``.
+    ``arranged``: whether any were. ``unsteady``: numbers of the other bodies, ``free`` of those that the flow moves.
     ``planes``: normal and offset of each straight wall that moves along itself at most, by its number.
     """
 
@@ -81,30 +85,35 @@ class WallPoints:
         self.bodies, self.spacing, self.origin = bodies, spacing, np.array(origin)
         self.wanted, self.start = wanted or WantedSpacing(spacing), start
         self.periods = np.minimum(periods, 1e30)
-        self.outlines = [self._outline(body) for body in bodies]
-        self.length = np.concatenate([outline.length for outline in self.outlines])
-        started = [body.placed(outline, start).point for body, outline in zip(bodies, self.outlines, strict=True)]
-        self.spacings = self.wanted.at(np.concatenate(started), start)
-        ends = np.cumsum([0, *(len(outline.length) for outline in self.outlines)])
-        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
-        self.count = len(self.length)
-        solid = [
-            np.full(len(each.length), not isinstance(body, OpenEnd))
-            for body, each in zip(bodies, self.outlines, strict=True)
-        ]
-        self.solid = np.concatenate(solid)
-        self.slip_length = np.concatenate(
-            [np.full(len(each.length), body.slip_length) for body, each in zip(bodies, self.outlines, strict=True)]
-        )
         self.ends = [body for body in bodies if isinstance(body, OpenEnd)]
         self.kinds = [[body for body in bodies if isinstance(body, Outlet) == kind] for kind in (False, True)]
         self.curved = any(0.0 < body.shape.smallest_radius < np.inf for body in bodies)
         self.unsteady = [number for number, body in enumerate(bodies) if not body.steady]
         self.free = [number for number, body in enumerate(bodies) if body.free]
-        self.bulging = [np.maximum(outline.curvature, 0.0) for outline in self.outlines]
+        self.arranged = False
+        outlines = [self._outline(body) for body in bodies]
+        started = [body.placed(outline, start).point for body, outline in zip(bodies, outlines, strict=True)]
+        self._arrange(outlines, self.wanted.at(np.concatenate(started), start), [body.at(0.0) for body in bodies])
+
+    def _arrange(self, outlines: list[Boundary], spacings: np.ndarray, states: list[BodyState]) -> None:
+        """Set the points by the ``outlines`` of the bodies, in these ``states``, and their ``spacings`` (count,)."""
+        bodies, self.outlines, self.spacings = self.bodies, outlines, spacings
+        self.length = np.concatenate([outline.length for outline in outlines])
+        ends = np.cumsum([0, *(len(outline.length) for outline in outlines)])
+        self.parts = [slice(first, last) for first, last in itertools.pairwise(ends)]
+        self.count = len(self.length)
+        solid = [
+            np.full(len(each.length), not isinstance(body, OpenEnd))
+            for body, each in zip(bodies, outlines, strict=True)
+        ]
+        self.solid = np.concatenate(solid)
+        self.slip_length = np.concatenate(
+            [np.full(len(each.length), body.slip_length) for body, each in zip(bodies, outlines, strict=True)]
+        )
+        self.bulging = [np.maximum(outline.curvature, 0.0) for outline in outlines]
         self._kept_time = math.nan
-        self._kept_states: list[BodyState] = [body.at(0.0) for body in bodies]
-        pairs = zip(self._kept_states, self.outlines, strict=True)
+        self._kept_states: list[BodyState] = states
+        pairs = zip(self._kept_states, outlines, strict=True)
         self._kept: list[Boundary] = [state.placed(outline) for state, outline in pairs]
         self._points, self._normals = (
             np.concatenate([getattr(boundary, name) for boundary in self._kept]) for name in ("point", "normal")
@@ -117,6 +126,66 @@ class WallPoints:
                 normal, fastest = boundary.normal[0], (body.motion.x.largest_speed, body.motion.y.largest_speed)
                 if not np.abs(normal) @ fastest:
                     self.planes[number] = normal, normal @ (boundary.point[0] - self.origin)
+
+    def renew(self, time: float) -> Any:
+        """Place the points of walls anew at ``time`` where their spacing is no longer the one that is wanted.
+
+        Return the sparse matrix (count, count before) that interpolates values at the points before, by cubic splines
+        along the walls; None if all points stay.
+        """
+        from scipy.sparse import block_diag, identity
+
+        now, before = self.at(time)[0] + self.origin, self.parts
+        unlike = np.abs(np.log(self.wanted.at(now, time) / self.spacings)) > UNLIKE
+        moved = [number for number, part in enumerate(before) if unlike[part].any()]
+        if not moved:
+            return None
+        self.start = time
+        outlines, spacings = list(self.outlines), [self.spacings[part] for part in before]
+        blocks = [identity(part.stop - part.start) for part in before]
+        for number in moved:
+            body = self.bodies[number]
+            outlines[number] = self._outline(body)
+            spacings[number] = self.wanted.at(body.placed(outlines[number], time).point, time)
+            blocks[number] = self._spline(number, outlines[number])
+        self._arrange(outlines, np.concatenate(spacings), [body.at(time) for body in self.bodies])
+        self.arranged = True
+        return block_diag(blocks, format="csr")
+
+    def _spline(self, number: int, outline: Boundary) -> np.ndarray:
+        """Return the matrix (points, points before) of cubic splines along the wall ``number`` to an ``outline``."""
+        from scipy.interpolate import CubicSpline
+
+        shape = self.bodies[number].shape
+        old, new = (arc_lengths(shape, each.point) for each in (self.outlines[number], outline))
+        order = np.argsort(old)
+        values, knots = np.eye(len(old))[order], old[order]
+        if not self._closed(number):
+            return CubicSpline(knots, values, bc_type="not-a-knot")(new)
+        knots, values = np.append(knots, knots[0] + shape.length), np.append(values, values[:1], axis=0)
+        return CubicSpline(knots, values, bc_type="periodic")(new)
+
+    def _closed(self, number: int) -> bool:
+        """Return whether a wall is closed, or goes on in the next period of the box: its ends are a spacing apart."""
+        point, spacings = self._kept[number].point, self.spacings[self.parts[number]]
+        apart = point[0] - point[-1]
+        apart -= self.periods * np.round(apart / self.periods)
+        return bool(np.hypot(*apart) < 0.75 * (spacings[0] + spacings[-1]))
+
+    def state(self) -> list[Any] | None:
+        """Return the points that were placed anew, for a resumed run; None if there are none."""
+        if not self.arranged:
+            return None
+        names = "point", "normal", "curvature", "length"
+        outlines = [[getattr(outline, name).tolist() for name in names] for outline in self.outlines]
+        return [outlines, self.spacings.tolist()]
+
+    def restore(self, state: list[Any] | None) -> None:
+        """Restore the points of ``state``."""
+        if state:
+            outlines = [Boundary(*map(np.array, outline)) for outline in state[0]]
+            self._arrange(outlines, np.array(state[1]), [body.at(0.0) for body in self.bodies])
+            self.arranged = True
 
     @property
     def across_axis(self) -> bool:
@@ -186,7 +255,7 @@ class WallPoints:
         """
         from scipy.interpolate import CubicSpline  # only slip needs it
 
-        boundary, periods = self._placed(time)[number], self.periods
+        boundary = self._placed(time)[number]
         point, (x, y) = boundary.point, boundary.normal[0]
         forwards = point[1] - point[0]
         order = slice(None) if x * forwards[1] - y * forwards[0] > 0.0 else slice(None, None, -1)
@@ -195,9 +264,7 @@ class WallPoints:
             chord, bend = np.hypot(*np.diff(point[order], axis=0).T), boundary.curvature[order]
             arc = chord + (0.5 * (bend[1:] + bend[:-1])) ** 2 * chord**3 / 24.0
             place = np.append(0.0, np.cumsum(arc))[order]
-        apart = point[0] - point[-1]
-        spacings = self.spacings[self.parts[number]]
-        closed = np.hypot(*(apart - periods * np.round(apart / periods))) < 0.75 * (spacings[0] + spacings[-1])
+        closed = self._closed(number)
         knots, values = place[order], values[:, order]
         if closed:
             knots = np.append(knots, knots[0] + boundary.length.sum())

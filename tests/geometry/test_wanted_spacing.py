@@ -91,7 +91,7 @@ def test_points_above_an_axis_begin_and_end_half_a_spacing_from_it():
 
 
 @pytest.mark.parametrize("name", WALLS)
-def test_lengths_along_a_wall_are_those_of_its_points(name):
+def test_lengths_along_a_wall(name):
     """Of evenly spaced points, whose distances along the wall are known: to 1e-5 of a radius, as stated."""
     shape = WALLS[name].shape
     points = shape.boundary_points(0.1)
@@ -99,7 +99,7 @@ def test_lengths_along_a_wall_are_those_of_its_points(name):
     np.testing.assert_allclose(arc_lengths(shape, points.point), expected, atol=1e-5)
 
 
-def test_a_gap_has_a_quarter_of_its_width_and_the_smallest_spacing():
+def test_a_gap_has_a_quarter_of_its_width():
     """Two circles 0.2 and 0.01 apart, on the line of centres; a third one far away does not count."""
     circles = [Body(Circle(0.3), (x, 0.0)) for x in (0.0, 0.8, 1.41)]
     wanted = WantedSpacing(1.0, [InGaps(circles, 0.01, 0.1)], growth=0.1)

@@ -79,7 +79,7 @@ TOGETHER = 1e-3
 
 def _at_free_bodies(config: Config) -> float:
     """Return the largest particle spacing [length] at the free bodies of a ``config``, or that of gaps between them."""
-    gaps = [place.spacing for place in config.discretisation.refine if place.near == GAPS]
+    gaps = [place.spacing for place in config.discretisation.places if place.near == GAPS]
     if gaps:
         return min(gaps)
     listed = config.bodies if isinstance(config.bodies, tuple) else (config.bodies,)

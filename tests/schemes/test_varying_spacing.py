@@ -54,6 +54,7 @@ def test_grading_costs_little_accuracy():
     uniform, _ = vortices(1.0)
     assert velocity_error(graded) < 1.6 * velocity_error(uniform)
     assert min(counts.values()) > 3
+    assert abs(counts["inserted"] - counts["removed"]) < 0.02 * len(graded.x)  # 1.0 %; without EVEN 2.3 %
     assert graded.passages.sum() >= counts["inserted"] - counts["removed"]
     assert graded.area.sum() == pytest.approx(1.0, abs=0.01)  # h^2 over as many places as the integral of 1/h^2
 

@@ -228,8 +228,8 @@ def test_flows_whose_steps_scatter_had_set(name):
 SMALL = ["segre_silberberg"]
 LARGE = [
     "carried_circle", "confined_cylinder_oldroyd_b", "confined_cylinder_refined", "drafting_kissing_tumbling",
-    "falling_ball", "free_cylinder", "jeffery_orbit", "migration", "oldroyd_b_cylinder_in_stream", "settling_disc",
-    "suspension",
+    "ellipse_refined", "falling_ball", "free_cylinder", "jeffery_orbit", "migration", "oldroyd_b_cylinder_in_stream",
+    "settling_disc", "suspension",
 ]  # fmt: skip
 
 

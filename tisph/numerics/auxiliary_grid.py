@@ -9,7 +9,7 @@ Laplacian. They run on one thread: a second thread of SciPy's costs more than it
 quarter of the time at 1e6. Between any other walls the grid is a ``WalledGrid``.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -48,14 +48,8 @@ class AuxiliaryGrid:
         """Return a field of this ``kind`` for each node."""
         return ti.field(kind, self.begin.shape)
 
-    parts: Mapping[str, Any] = {}
-    """Objects whose arrays a resumed run needs, by name."""
-
     outlet: Any = None
     """Field with the first slot of the points at an open end at which the pressure is known; None without any."""
-
-    def forget(self) -> None:
-        """Take note that points have other numbers, and make room in these arrays for as many."""
 
     def invert(self, field: Any, sigma: float, coefficient: float) -> None:
         """Replace the values f at the nodes, in ``field``, by (``sigma`` - ``coefficient`` Laplacian)^-1 f."""

@@ -8,7 +8,7 @@ e_2, e_3 against its corners, the stiffness matrix e_i . e_j/(4 A). Unlike the p
 are factorised when walls have moved.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -47,11 +47,11 @@ class GradedGrid:
     """Grid of the ``points`` in a ``box``, with the functions of an ``AuxiliaryGrid``.
 
     To kernels its nodes are the points; ``invert`` transfers to the nodes of the triangles and back. ``spread``:
-    sparse matrix (points, nodes) that interpolates to the points. ``velocities``: whether the grid serves them as well.
-    ``outlet``: see ``AuxiliaryGrid``.
+    sparse matrix (points, nodes) that interpolates to the points. ``volume``: of the nodes over the square of the
+    largest spacing, by the power of the radius. ``velocities``: whether the grid serves them as well. ``outlet``: see
+    ``AuxiliaryGrid``.
     """
 
-    parts: Mapping[str, Any] = {}
     outlet: Any = None
 
     def __init__(self, points: PointCloud, box: Any, velocities: bool) -> None:
@@ -59,9 +59,6 @@ class GradedGrid:
         self.coarsening = COARSENING_TOGETHER if velocities else COARSENING
         self.rows, self.columns = points.particles, integer(1)
         self.factors: Any = None
-
-    def forget(self) -> None:
-        """Do nothing: nodes do not depend on the particles."""
 
     def nodes(self, kind: Any) -> Any:
         """Return a field of this ``kind`` for each point."""
@@ -132,7 +129,7 @@ class GradedGrid:
             shift = period * np.eye(2)[axis]
             place = np.concatenate([place, place[low] + shift, place[high] - shift])
             owner = np.concatenate([owner, owner[low], owner[high]])
-        if box.axisymmetric and not box.annular:
+        if box.reaches_axis:
             near = np.abs(place[:, 1] + box.origin[1]) < strip
             mirrored = place[near] * [1.0, -1.0] - [0.0, 2.0 * box.origin[1]]
             place, owner = np.concatenate([place, mirrored]), np.concatenate([owner, owner[near]])
@@ -144,7 +141,7 @@ class GradedGrid:
         area = 0.5 * np.abs(edges[:, 0, 0] * edges[:, 1, 1] - edges[:, 0, 1] * edges[:, 1, 0])
         self.sound = area > THIN * (edges**2).sum(axis=2).max(axis=1)
         here = (middle >= 0.0).all(axis=1) & (middle < (box.length, box.height)).all(axis=1) & self.sound
-        if box.axisymmetric and not box.annular:
+        if box.reaches_axis:
             here &= middle[:, 1] + box.origin[1] > 0.0
         here[here] = distance(middle[here]) > 0.0
         corners, edges, area = owner[corners[here]], edges[here], area[here]
@@ -152,7 +149,8 @@ class GradedGrid:
         self.radius = middle[here, 1] + box.origin[1]
         self.entries = np.einsum("tia,tja->tij", edges, edges) / (4.0 * area * box.spacing**2)[:, None, None]
         powers = (0, 1, 3) if box.axisymmetric else (0,)
-        self.volume = {power: self.sums(area * self.radius**power / 3.0) for power in powers}
+        third = area / (3.0 * box.spacing**2)
+        self.volume = {power: self.sums(third * self.radius**power) for power in powers}
 
     def sums(self, values: np.ndarray) -> np.ndarray:
         """Return the sums (nodes,) of ``values`` (triangles,) around each node."""
@@ -225,14 +223,13 @@ class GradedGrid:
         self.powers = [1, 3, 3][:components] if self.box.axisymmetric else [0] * components
         self.velocity_factors = {}
         for power in set(self.powers):
-            mass = diags(sigma * self.volume[power] / self.box.spacing**2)
-            matrix = (mass + self.stiffness(power, viscosity)).tocsc()[self.free][:, self.free]
-            self.velocity_factors[power] = splu(matrix, **SYMMETRIC)
+            matrix = (diags(sigma * self.volume[power]) + self.stiffness(power, viscosity)).tocsc()
+            self.velocity_factors[power] = splu(matrix[self.free][:, self.free], **SYMMETRIC)
 
     def invert_velocities(self, values: np.ndarray) -> np.ndarray:
         """Return the solutions for ``values`` (nodes, components)."""
         result = np.zeros_like(values)
         for component, power in enumerate(self.powers):
-            right = (self.volume[power] / self.box.spacing**2)[self.free] * values[self.free, component]
+            right = self.volume[power][self.free] * values[self.free, component]
             result[self.free, component] = self.velocity_factors[power].solve(right)
         return result

@@ -36,8 +36,8 @@ FINEST = 8.0
 """Largest ratio of the spacing of the flow to another one: the smallest one sets the steps."""
 
 MORE = 2.0
-"""Particles over those of the first run: as many as one spacing smaller by the root of 2 would need. They are worth it
-where the error falls by more than with that."""
+"""Particles over those of the first run: as many as one spacing smaller by the root of 2 would need. More particles are
+worth their cost where the error falls by more than with that."""
 
 ENOUGH, WASTE = 1.25, 1.5
 """Spacing over equation (1) that is small enough; particles that a place may add over those that are needed."""

@@ -96,7 +96,7 @@ class FlowRateControl(Coupling):
         origin, spacing, self.placed = self.problem.origin, self.problem.spacing, placed
         on_walls = positions[self.boundary.slots, 1] + origin[1]
         low, high = on_walls.min(), on_walls.max()
-        if self.problem.axisymmetric and not self.problem.annular:
+        if self.problem.reaches_axis:
             low = 0.0
         heights = np.linspace(low, high, 4 * int(np.ceil((high - low) / spacing)))
         rule = np.polynomial.legendre.leggauss(max(20, round(0.5 * (high - low) / spacing)))

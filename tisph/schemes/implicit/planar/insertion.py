@@ -160,7 +160,7 @@ class Insertion:
         beyond, own = np.zeros(len(known)), position[known]
         if self.problem.walls:
             distance = self.problem.walls.distance(own, time, self.problem.bodies)
-            if self.problem.axisymmetric and not self.problem.annular:
+            if self.problem.reaches_axis:
                 distance = np.minimum(distance, own[:, 1] + self.problem.origin[1])
             beyond = np.interp(distance / (REACH * spacing[known]), *PART_BEYOND)
         here, there = self.pairs(known)

@@ -78,6 +78,11 @@ class Problem(Box):
     kept_mean_velocity: float | None = None
     section_weights: Callable[..., np.ndarray] | None = None
 
+    @property
+    def reaches_axis(self) -> bool:
+        """Whether the fluid reaches an axis of symmetry, y = 0."""
+        return self.axisymmetric and not self.annular
+
     @cached_property
     def wanted_spacing(self) -> WantedSpacing:
         """The particle spacing that is wanted at each place."""

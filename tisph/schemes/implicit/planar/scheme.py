@@ -272,7 +272,6 @@ class PlanarScheme(ControlledScheme):
         active(levels.position)[...] = np.concatenate([particles.position - self.problem.origin, walls])
         active(levels.number)[: self.points.in_fluid] = particles.number
         levels.passages = particles.passages
-        self.grid.forget()
         self.equations.forget()
 
     def exchange_bodies(self) -> None:
@@ -529,7 +528,7 @@ class PlanarScheme(ControlledScheme):
 
     def parts(self) -> dict[str, Any]:
         """Return everything whose fields a resumed run needs, by name."""
-        return {"levels": self.levels, **self.extra_stress.parts, **self.grid.parts}
+        return {"levels": self.levels, **self.extra_stress.parts}
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
@@ -550,7 +549,6 @@ class PlanarScheme(ControlledScheme):
             walls.restore(state["walls"]["points"])
         self.points.resize(state["bodies"]["particles"], walls.count if walls else 0)
         self.levels.passages = np.zeros(self.points.in_fluid, dtype=int)
-        self.grid.forget()
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
@@ -612,7 +610,7 @@ def operators_of(problem: Problem, points: PointCloud) -> LeastSquaresOperators:
     # in polar coordinates points lie in layers: near walls operators then have 70 times the rounding errors
     curved = problem.walls is not None and problem.walls.curved and real() == ti.f64
     pivot = SMALLEST_PIVOT_GRADED if points.graded and real() == ti.f64 else SMALLEST_PIVOT
-    pivot = SMALLEST_PIVOT_AT_AXIS if problem.axisymmetric and not problem.annular else pivot
+    pivot = SMALLEST_PIVOT_AT_AXIS if problem.reaches_axis else pivot
     chosen = points, SUPPORT * problem.spacing, 4, pivot, points.varying, curved
     if problem.axisymmetric:
         return AxisymmetricOperators(*chosen, lowest_radius=problem.origin[1], annular=problem.annular)

@@ -369,7 +369,8 @@ class FreeBodyPart(BoundaryPart):
 
     def couplings(self, rounding: float, slow: bool) -> list[Coupling]:
         """Return the coupling of the velocities of the bodies."""
-        return [FreeBodyCoupling(self.boundary, self.bodies, rounding)]
+        kind = CoupledFreeBodies if slow else FreeBodyCoupling
+        return [kind(self.boundary, self.bodies, rounding)]
 
     def reset(self, time: float) -> None:
         """Return to the state before the start, at ``time``."""
@@ -479,28 +480,6 @@ class FreeBodyCoupling(Coupling):
         self.rounding = self.precision * fastest * math.sqrt(walls.count) / (dt * walls.spacing)
         self.curl_scale = bodies.viscosity * dt / gamma0 / math.sqrt(walls.count)
 
-    def unknowns(self, dt: float) -> Unknowns:
-        """Return the velocities of the bodies in a step ``dt`` as unknowns, without held components."""
-        from scipy.sparse import csr_matrix, diags
-
-        free, boundary, moves = self.bodies, self.boundary, self.bodies.moves.ravel()
-        motion = boundary.walls.rigid_motion(free.index, self.time)[:, moves]
-        forces = (motion.T @ diags(boundary.walls.areas(self.time).ravel())).tocsr()
-        inertia, load, response, arm, now = (
-            each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities)
-        )
-        displaced = np.zeros_like(free.mass)
-        displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
-        none, points = np.zeros_like(now), boundary.points.fluid
-        section, load = csr_matrix((len(now), points)), load + forces @ boundary.known_tractions().ravel()
-        return Unknowns(motion, forces, none, displaced.ravel()[moves], inertia, section, load, now, arm, response)
-
-    def take(self, equations: "Equations", velocities: np.ndarray) -> None:
-        """Give the bodies their ``velocities`` at the end of the step, as they were found."""
-        self.bodies.velocities[self.bodies.moves] = velocities
-        self.bodies.attempt()
-        self.boundary.update_velocity(self.time)
-
     def correct(self, equations: "Equations") -> bool:
         """Change the velocities of the bodies by the loads of the fluid; return whether they had converged."""
         boundary, scale = self.boundary, self.curl_scale
@@ -594,3 +573,43 @@ class FreeBodyCoupling(Coupling):
         self._set_accelerations()
         self.boundary.set_accelerations(equations)
         return False
+
+
+class CoupledFreeBodies(FreeBodyCoupling):
+    """The same, of bodies whose velocities are unknowns of the system of velocity and pressure (``equations.Coupled``).
+
+    The residual of GMRES contains their error. Loads of its solution are no measure of that: errors of the fluid's
+    velocities that it leaves change them by as much as nu/spacing times these.
+    """
+
+    sets_curls = False
+
+    def unknowns(self, dt: float) -> Unknowns:
+        """Return the velocities of the bodies in a step ``dt`` as unknowns, without held components."""
+        from scipy.sparse import csr_matrix, diags
+
+        free, boundary, moves = self.bodies, self.boundary, self.bodies.moves.ravel()
+        motion = boundary.walls.rigid_motion(free.index, self.time)[:, moves]
+        forces = (motion.T @ diags(boundary.walls.areas(self.time).ravel())).tocsr()
+        inertia, load, response, arm, now = (
+            each.ravel()[moves] for each in (*free.unknowns(dt), free.arm, free.velocities)
+        )
+        displaced = np.zeros_like(free.mass)
+        displaced[:, 0] = [motion.inertia.displaced for motion in free.motions]
+        none, points = np.zeros_like(now), boundary.points.fluid
+        section, load = csr_matrix((len(now), points)), load + forces @ boundary.known_tractions().ravel()
+        return Unknowns(motion, forces, none, displaced.ravel()[moves], inertia, section, load, now, arm, response)
+
+    def take(self, equations: "Equations", velocities: np.ndarray) -> None:
+        """Give the bodies their ``velocities`` at the end of the step, as they were found."""
+        bodies = self.bodies
+        before = bodies.velocities.copy()
+        bodies.velocities[bodies.moves] = velocities
+        nonlinear = self.boundary.extra_stress.nonlinear
+        bodies.converged = float(np.abs(bodies.arm * (bodies.velocities - before)).max()) if nonlinear else 0.0
+        bodies.attempt()
+        self.boundary.update_velocity(self.time)
+
+    def correct(self, equations: "Equations") -> bool:
+        """Return whether a stress that depends on the velocities no longer changes those of the bodies."""
+        return self.bodies.converged <= self.allowed

@@ -10,13 +10,17 @@ import numpy as np
 from tisph.geometry.body import Body
 from tisph.geometry.ends import OpenEnd
 from tisph.geometry.region import Box, box_around
-from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
+from tisph.geometry.wanted_spacing import GROWTH, InGaps, Source, WantedSpacing
 from tisph.measures.fits import section_weights
 from tisph.measures.flow import FlowInBox
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
 """How many more neighbours a particle may have than near walls: in gaps that bodies close, points of both walls."""
+
+CROWDING_IN_GAPS = 2.0
+"""The same where the spacing is a share of a gap: it grows by up to half of the distance. Of ten circles, 30 % of the
+area, one had 1.02 times as many neighbours as there is room for without."""
 
 CROWDING_AT_ENDS = 1.4
 """The same near open ends, where supports are wider."""
@@ -119,7 +123,8 @@ class Problem(Box):
     @cached_property
     def crowding(self) -> float:
         """Factor of the largest number of neighbours."""
-        return CROWDING if self.contact else CROWDING_AT_ENDS if self.open_ends else 1.0
+        in_gaps = CROWDING_IN_GAPS if any(isinstance(source, InGaps) for source in self.spacing_sources) else 1.0
+        return in_gaps * (CROWDING if self.contact else CROWDING_AT_ENDS if self.open_ends else 1.0)
 
     @cached_property
     def open_ends(self) -> tuple[float, ...]:

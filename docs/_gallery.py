@@ -9,6 +9,7 @@ panels and the index in docs/gallery/, which a clone shows without a site.
 ``make docs-draft`` (GALLERY=draft) makes the beginning of ``DRAFT_RUNS`` alone. The other pages show the pictures of
 the first of them, and no page has numbers: the site is built and looked at as a whole in a few minutes.
 
+``equals`` is a number, a key of the run, or a name of the table of references (``dfg_2d_1.drag_coefficient``).
 In a text, <<name>> stands for the number of that name; a key may be a sum, ``samples.1.drag + samples.1.drag_top``.
 """
 
@@ -31,6 +32,8 @@ from pathlib import Path
 import imageio_ffmpeg
 from PIL import Image, ImageOps
 from ruamel.yaml import YAML
+
+from tisph.references import table as references
 
 ROOT = Path(__file__).resolve().parents[1]
 TEXTS = ROOT / "docs" / "_gallery"
@@ -168,7 +171,10 @@ def bound(summary, check):
     if "below" in check:
         return float(check["below"]), abs(number) < check["below"]
     reference = check["equals"]
-    reference = value(summary, reference) if isinstance(reference, str) else float(reference)
+    if isinstance(reference, str):
+        known = reference.partition(".")[0] in references.flows()
+        reference = references.number(reference) if known else value(summary, reference)
+    reference = float(reference)
     return reference, abs(number - reference) <= check["within"] * abs(reference)
 
 

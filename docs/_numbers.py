@@ -27,6 +27,7 @@ from typer.testing import CliRunner
 
 from tisph import cli
 from tisph.config import load
+from tisph.references import table
 from tisph.studies.expressions import Number
 from tisph.studies.processes import run_config
 from tisph.studies.store import Store
@@ -48,7 +49,8 @@ class Entry:
     ``run`` is a config, or the name of a config that a page shows, run with the overrides ``set`` and, with
     ``estimate``, with coarser runs. ``verify`` is a suite, or ``quick`` for ``tisph verify --quick``. ``sweep`` is the
     file of a sweep. ``prints`` is a command, ``tisph ...`` or ``python FILE``, that prints the texts. ``quotes`` is a
-    page with the same numbers. ``quick``: a test compares it, too.
+    page with the same numbers. ``references``: the keys are names of ``tisph references``. ``quick``: a test compares
+    it, too.
     ``numbers``: text -> keys of its numbers. A key is an expression of numbers of the last sample, or at a time
     (``l2 @ 2.7``), or the largest of all samples (``largest l2``); a dotted path into summary.json; a row of the suite
     (``case: quantity``), or the largest of all rows that match (``case: l2 .+``, in which ``*`` is a star); ``rows``,
@@ -64,6 +66,7 @@ class Entry:
     sweep: str = ""
     prints: str = ""
     quotes: str = ""
+    references: bool = False
     quick: bool = False
 
     @property
@@ -72,11 +75,13 @@ class Entry:
         words = [f"--set {text}" for text in self.set] + ["--estimate-error"] * self.estimate
         run = self.run and " ".join(["tisph run", self.run, *words])
         many = (self.verify and f"tisph verify {self.verify}") or (self.sweep and f"tisph sweep {self.sweep}")
-        return run or many or self.prints or self.quotes
+        return run or many or self.prints or self.quotes or "tisph references"
 
     @cached_property
     def found(self):
         """Return the function key -> value of the source, after running it."""
+        if self.references:
+            return table.number
         if self.verify or self.sweep:
             return self.row if self.verify else self.swept
         return self.number_of(*self.result())

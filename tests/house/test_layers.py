@@ -22,7 +22,7 @@ LEVELS = [
     ["errors", "events", "snapshot", "registry", "size_class", "text_table", "version"],
     ["folder"],
     ["config", "exact", "geometry"],
-    ["measures"],
+    ["measures", "references"],
     ["bodies"],
     ["suspensions"],
     ["scenes"],
@@ -41,7 +41,7 @@ LEVELS = [
 ]
 LEVEL_OF = {part: level for level, parts in enumerate(LEVELS) for part in parts}
 WITHOUT_TAICHI = ["bodies", "suspensions", "config", "scenes", "exact", "geometry", "measures", "report", "assessment"]
-WITHOUT_TAICHI += ["rheometry", "schemes/wcsph/kernels"]
+WITHOUT_TAICHI += ["references", "rheometry", "schemes/wcsph/kernels"]
 FILES = sorted(PACKAGE.rglob("*.py"))
 
 

@@ -57,6 +57,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "check": run.check,
     "list": menu.list_families,
     "keys": menu.keys,
+    "references": menu.references,
     "verify": studies.verify,
     "bench": studies.bench,
     "stability": studies.stability,

@@ -1,4 +1,7 @@
-"""The menu: ``tisph list`` and ``keys`` show choices and keys of a config, ``tisph new`` copies a commented config."""
+"""The menu: ``tisph list`` and ``keys`` show choices and keys of a config, ``tisph new`` copies a commented config.
+
+``tisph references`` shows reference values.
+"""
 
 import re
 from itertools import groupby, takewhile
@@ -139,3 +142,30 @@ def keys(
     if scene is not None and section is not None and section not in (sections := reference.sections(scene)):
         raise ConfigError(f"SECTION {section!r}: must be one of {', '.join(sections)}{nearest(section, sections)}")
     print("\n".join(reference.listing(scene, section)).lstrip())
+
+
+def references(
+    flow: Annotated[str | None, typer.Argument(metavar="[FLOW]", help="One flow; a list of all without it.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print everything as JSON.")] = False,
+) -> None:
+    """Print reference values of a flow with their sources.
+
+    Each number has its unit, convention and spread, how it was obtained, whether the source was checked, and the other
+    values that circulate. Without a FLOW the flows are listed, with all values that contradict a reference. Exit status
+    1 if two values differ by more than both spreads without a stated reason.
+
+    \b
+    Examples:
+      tisph references
+      tisph references dfg_2d_1
+      tisph references --json
+    """
+    from tisph.references import table
+
+    try:
+        print(table.as_json(flow) if as_json else "\n".join(table.listing(flow) if flow else table.summary()))
+    except ValueError as error:
+        raise ConfigError(f"FLOW: {error}") from None
+    shown = [flow] if flow else list(table.flows())
+    if any(pair.verdict == table.DISAGREES for name in shown for pair in table.pairs(name)):
+        raise typer.Exit(1)

@@ -41,7 +41,8 @@ def verify(
     Prints a table of case, error, bound, pass or FAIL; exit status 1 on a FAIL. A SUITE is one of ours or a YAML file
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
     the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The suite
-    estimates compares the errors that runs state of themselves (tisph run --estimate-error) with the true ones.
+    estimates compares the errors that runs state of themselves (tisph run --estimate-error) with the true ones, the
+    suite references the sources of tisph references with one another.
 
     \b
     Examples:

@@ -16,7 +16,8 @@ without either the number is read from the last sample of a run that reached its
 - {run: fine, measure: resolved_samples, at_most: 0}                     # a function of ``studies/measures.py``
 - {run: fine, t: 2.7, measure: stated_error, with: {field: velocity}, within_factor: 3}   # from 1/3 to 3
 
-A number is an expression, see ``studies/expressions.py``.
+A number is an expression, see ``studies/expressions.py``. In ``expected``, and in ``with``, the name of a reference may
+stand for a number, with a factor or without (tisph references): ``expected: 0.002*dfg_2d_1.drag_coefficient``.
 """
 
 import inspect
@@ -31,6 +32,7 @@ import numpy as np
 
 from tisph.config.fields import nearest
 from tisph.measures.metrics import fitted_order
+from tisph.references import table
 from tisph.studies import measures
 from tisph.studies.expressions import Number, SuiteError, is_number
 from tisph.studies.processes import Result
@@ -112,6 +114,7 @@ def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
         for name in _listed(entry.get(key, ())):
             if not isinstance(name, str) or name not in names:
                 raise SuiteError(key, f"there is no run {name!r}{nearest(str(name), sorted(names))}")
+    entry = _with_references(entry)
     if kind == "order":
         yield from _orders(entry)
         return
@@ -131,6 +134,45 @@ def criteria(entry: dict[str, Any], names: set[str]) -> Iterator[Criterion]:
             yield bounded(run, "momentum closure", _bound(entry, kind), lambda result: result.closure)
         else:
             yield from _of_numbers(entry, run)
+
+
+def of_references() -> Iterator[Criterion]:
+    """Yield a criterion, without a run, for each value of the table of references beside the reference itself."""
+    for flow in table.flows():
+        for pair in table.pairs(flow):
+            words = f"{pair.name} of {pair.other.source} off {pair.reference.source}"
+            if pair.other.wrong:
+                words += ", known as wrong"
+            sign, holds = (">", operator.gt) if pair.other.wrong else ("<=", operator.le)
+
+            def difference(pair: table.Pair = pair) -> float:
+                return pair.difference
+
+            yield Criterion(
+                flow, words, f"{sign} {pair.allowed:.3g}", (), difference, partial(_holds, holds, pair.allowed)
+            )
+
+
+def _holds(compare: Callable[[float, float], bool], bound: float, number: float) -> bool:
+    return compare(number, bound)
+
+
+def _with_references(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return an entry with values of the table of references in place of their names. Raises SuiteError."""
+
+    def replaced(value: Any, key: str) -> Any:
+        if isinstance(value, list):
+            return [replaced(one, key) for one in value]
+        if isinstance(value, dict):
+            return {name: replaced(one, key) for name, one in value.items()}
+        if not isinstance(value, str) or (key == "with" and not table.ENTRY.fullmatch(value)):
+            return value
+        try:
+            return table.number(value)
+        except ValueError as error:
+            raise SuiteError(key, str(error)) from None
+
+    return {key: replaced(value, key) if key in ("expected", "with") else value for key, value in entry.items()}
 
 
 def _given(entry: dict[str, Any], key: str) -> Any:

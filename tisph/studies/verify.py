@@ -23,7 +23,7 @@ from rich.console import Console
 from tisph.config.fields import nearest
 from tisph.errors import ConfigError
 from tisph.studies import suites
-from tisph.studies.checks import Check, Criterion
+from tisph.studies.checks import Check, Criterion, of_references
 from tisph.studies.processes import Result, run_config, run_resumed
 from tisph.studies.store import Store, claimed
 from tisph.studies.suites import Suite
@@ -33,6 +33,9 @@ HEADER = ("case", "quantity", "value", "bound", "verdict")
 
 MANUFACTURED = "manufactured"
 """The suite whose runs are built in Python; it needs sympy, and does not run with the others."""
+
+REFERENCES = "references"
+"""The suite without runs: each value of the table of references beside the others of the same number."""
 
 
 def run(
@@ -64,11 +67,13 @@ def suite_of(name: str | None, quick: bool = False, long: bool = False) -> Suite
         from tisph.studies import manufactured
 
         return Suite("Manufactured solutions", manufactured.runs(quick), manufactured.criteria(quick))
+    if name == REFERENCES and not long:
+        return Suite("References", {}, list(of_references()))
     if name in suites.PARTS:
         return suites.ours(name, quick, long)
     if Path(name).suffix in (".yaml", ".yml"):
         return suites.read(Path(name), quick, long)
-    names = (*suites.PARTS, MANUFACTURED)
+    names = (*suites.PARTS, MANUFACTURED, REFERENCES)
     if name in names:
         raise ConfigError(f"--long: {name} has no long section")
     raise ConfigError(

@@ -21,6 +21,14 @@ class ConfigError(TisphError):
     exit_status = 2
 
 
+UNREACHED = "a goal is not reached: "
+"""Beginning of the message of an ``UnreachedError``."""
+
+
+class UnreachedError(TisphError):
+    """No run has an error inside its goal; the message names the number and the reason. The best run is kept."""
+
+
 class UnsolvedError(TisphError, ArithmeticError):
     """The solution for a reference failed; the message names the time up to which there is one."""
 

@@ -48,6 +48,8 @@ class Folder:
         self.checkpoint = self.root / "checkpoint.h5"
         self.last_good = self.root / "last_good.h5"
         self.last_good_picture = self.root / "last_good.png"
+        self.accuracy = self.root / "accuracy.json"
+        self.accuracy_picture = self.root / "accuracy.png"
 
     def read_summary(self) -> dict[str, Any]:
         """Return the contents of ``summary.json``; status ``failed`` without samples where there is no such file."""

@@ -18,7 +18,7 @@ from typing import Any
 
 from tisph import events
 from tisph.config.loader import Asked, config_file, loaded, override_texts
-from tisph.errors import INTERRUPTED, ConfigError, DivergedError, TisphError
+from tisph.errors import INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
 
@@ -143,15 +143,19 @@ def run(
     resume: bool = False,
     video: bool = True,
     progress: bool = False,
+    until: Mapping[str, float | str] | None = None,
+    at_most: str | None = None,
     **overrides: Any,
 ) -> Results:
     """Run a config (YAML file, dict or ``Config``) into the folder ``out`` [runs/NAME] and return its results.
 
     ``overrides`` are values by dotted key: ``run("couette.yaml", **{"time.end": 1.0, "walls.top.velocity": 0.01})``.
     A folder that is not empty is refused without ``overwrite`` or ``resume`` (go on from the checkpoint there).
-    ``progress`` shows a bar; nothing else is printed. The run has a process of its own, so that a Taichi program here
-    is not touched. Raises ``tisph.errors.ConfigError``, ``DivergedError`` or ``TisphError`` with the message of the
-    command line, and KeyboardInterrupt, once there is a checkpoint, after Ctrl-C.
+    ``until``, such as ``{"drag_coefficient": "0.1%"}``, makes finer and finer runs, in a time ``at_most`` such as
+    10min. The results are those of the finest one; ``results.accuracy`` has the error bars, and the reason where a goal
+    is not reached. ``progress`` shows a bar; nothing else is printed. The run has a process of its own, so that a
+    Taichi program here is not touched. Raises ``tisph.errors.ConfigError``, ``DivergedError`` or ``TisphError`` with
+    the message of the command line, and KeyboardInterrupt, once there is a checkpoint, after Ctrl-C.
     """
     with config_file(config) as path, shown(progress) as show:
         options = [part for text in override_texts(overrides) for part in ("--set", text)]
@@ -159,7 +163,13 @@ def run(
         options += ["--out", fspath(folder)]
         flags = {"--overwrite": overwrite, "--resume": resume, "--no-video": not video}
         options += [flag for flag, wanted in flags.items() if wanted]
-        command(["run", *options, "--", path], show)
+        options += [part for name, goal in (until or {}).items() for part in ("--until", f"{name}={goal}")]
+        options += [] if at_most is None else ["--at-most", at_most]
+        try:
+            command(["run", *options, "--", path], show)
+        except TisphError as error:
+            if not str(error).startswith(UNREACHED):
+                raise
     return Results(folder)
 
 

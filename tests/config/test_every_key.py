@@ -58,6 +58,7 @@ WITHOUT = {
     "fluid.rheology.modes": "a list of polymers, whose keys are varied one by one",
     "walls.around": "a shape, whose keys are varied one by one",
     "name": "of the folder of results, which other tests see",
+    "accuracy": "makes further runs, and changes none",
     "runtime.threads": "any number of them gives the same bits",
     "discretisation.precision": "starts Taichi anew, for seconds: tests with the marker other_program do",
     "channel: first, units.mass": "no number with a mass is in a frame of parallel flow",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from tisph.cli.terminal import ConfigFile, Overrides, held_back, out_folder
-from tisph.errors import ConfigError, DivergedError
+from tisph.errors import UNREACHED, ConfigError, DivergedError, UnreachedError
 from tisph.folder import Folder, claimed
 from tisph.text_table import format_table
 
@@ -130,6 +130,13 @@ def run(
         bool,
         typer.Option("--estimate-error", help="Run two coarser runs, too, and state the error that they tell of."),
     ] = False,
+    until: Annotated[
+        list[str] | None,
+        typer.Option("--until", metavar="NUMBER=GOAL", help="Refine until the error of a number is, e.g., 0.1%."),
+    ] = None,
+    at_most: Annotated[
+        str | None, typer.Option("--at-most", metavar="TIME", help="Longest time of --until, such as 10min.")
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the samples and the cost of summary.json, and nothing else.")
@@ -137,7 +144,9 @@ def run(
 ) -> None:
     """Run a config and leave its results in DIR.
 
-    It ends with a table of errors and forces at the samples, the time used, and the files.
+    It ends with a table of errors and forces at the samples, the time used, and the files. With --until, or the key
+    accuracy, it makes finer and finer runs until the error bar of each number is inside its goal; exit status 1 where
+    one is not. Runs that have ended are kept: the same command goes on after Ctrl-C.
 
     \b
     Examples:
@@ -146,6 +155,7 @@ def run(
       tisph run configs/couette.yaml --no-video --overwrite
       tisph run configs/couette.yaml --resume
       tisph run configs/shear_layer.yaml --estimate-error
+      tisph run configs/pipe.yaml --until force_outer=0.1% --at-most 10min
       tisph run configs/couette.yaml --quiet --json > couette.json
     """
     with held_back():
@@ -155,6 +165,14 @@ def run(
         loaded = load(config, overrides or ())
         _, warnings = forecast(loaded)
     folder = out or Path("runs") / loaded.name
+    if until or loaded.accuracy:
+        if estimate_error or resume:
+            option = "--estimate-error" if estimate_error else "--resume"
+            raise ConfigError(f"{option}: is not for --until and accuracy, whose runs go on by the same command")
+        _run_until(loaded, folder, until, at_most, overwrite, quiet, as_json)
+        return
+    if at_most:
+        raise ConfigError("--at-most: is for --until, or a config with the key accuracy")
     coarser = None
     if estimate_error:
         from tisph.studies.error_estimate import Coarser
@@ -186,6 +204,34 @@ def run(
                 print(f"  {what:9} {folder / name}")
         if estimate:
             print(f"\n{estimate}")
+
+
+def _run_until(
+    config: "Config",
+    folder: Path,
+    asked: Sequence[str] | None,
+    at_most: str | None,
+    overwrite: bool,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Run the chain of ``--until``; UnreachedError where a goal is not reached."""
+    from tisph.studies import until
+
+    wanted = dict(text.rpartition("=")[::2] for text in asked or ())
+    with ExitStack() as stack:
+        if quiet:
+            stack.enter_context(redirect_stderr(stack.enter_context(open(os.devnull, "w", encoding="utf-8"))))
+        found = until.run(config, folder, wanted, at_most, overwrite)
+    if as_json:
+        print(json.dumps(found, indent=2))
+    elif not quiet:
+        print(f"{until.table(found)}\nresults in {folder}")
+        for path in (Folder(folder).accuracy, Folder(folder).accuracy_picture):
+            print(f"  {path}")
+    missed = [f"{name}: {entry['reason']}" for name, entry in found.items() if not entry["reached"]]
+    if missed:
+        raise UnreachedError(UNREACHED + "; ".join(missed))
 
 
 def _simulate(config: "Config", folder: Path, coarser: Any, *, pictures: bool, video: bool, resume: bool) -> None:

@@ -32,6 +32,7 @@ TEXTS = {
     "string_type": "must be text (in quotes where it looks like a number)",
     "tuple_type": "must be a list such as [1.0, 2.0]",
     "model_type": "must be a map of keys",
+    "dict_type": "must be a map of names",
     "missing": "is missing",
     "too_short": "must not be empty",
     "greater_than": "must be greater than {gt:g}",

@@ -159,6 +159,8 @@ def allowed(annotation: Any, metadata: Sequence[Any] = ()) -> str:
         return code(inner)
     if origin is tuple:
         return ("list, each: " if inner[-1] is ... else f"{len(inner)} values, each: ") + allowed(inner[0])
+    if origin is dict:
+        return "a map of names"
     if origin is not None:
         return " or ".join(dict.fromkeys(allowed(each, metadata) for each in inner if each is not type(None)))
     if isinstance(annotation, type) and issubclass(annotation, Model):

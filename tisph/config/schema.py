@@ -13,12 +13,13 @@ from collections.abc import Callable, Iterator
 from functools import reduce
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from tisph import registry
 from tisph.config import yaml_text
-from tisph.config.base import Model, Problem, refusals
+from tisph.config.base import Model, Problem, refusal, refusals
 from tisph.config.fields import Member, member_name, nearest
+from tisph.config.goals import goals
 from tisph.config.sections import (
     LEAST_PARTICLES_ACROSS,
     Discretisation,
@@ -51,6 +52,18 @@ Title = text_type(
 )
 
 
+def _checked_goals(given: dict[str, Any]) -> dict[str, Any]:
+    try:
+        goals(given)
+    except ValueError as error:
+        raise refusal(str(error)) from None
+    return given
+
+
+Goals = Annotated[dict[str, Any], AfterValidator(_checked_goals)]
+"""Name of a number -> largest error, as ``tisph/config/goals.py`` reads it."""
+
+
 class Config(Model):
     """A whole run, checked; every key as in the YAML file, every default filled in.
 
@@ -73,10 +86,11 @@ class Config(Model):
     scheme: Annotated[Any, Scheme] = Field(default_factory=Scheme.default)
     reference: Reference | None = None
     time: Time
+    accuracy: Goals | None = None
     output: Output = Output()
     runtime: Runtime = Runtime()
 
-    unset_keys: ClassVar[tuple[str, ...]] = ("title", "reference")
+    unset_keys: ClassVar[tuple[str, ...]] = ("title", "reference", "accuracy")
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
     axisymmetric: ClassVar[bool] = False
@@ -263,7 +277,7 @@ class Config(Model):
 
 ORDER = (
     "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "reference",
-    "discretisation", "scheme", "time", "probes", "output", "runtime",
+    "discretisation", "scheme", "time", "accuracy", "probes", "output", "runtime",
 )  # fmt: skip
 """Order of the keys in a resolved config; other keys come with ``geometry``."""
 

@@ -3,6 +3,7 @@
 The keys of ``summary.json`` mean the same as in ``docs/reference/files.md``.
 """
 
+import json
 from collections.abc import Iterable, Iterator, KeysView, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -308,6 +309,15 @@ class Results:
         """Status, errors at each sample, numbers of the run, balance of momentum, cost, provenance."""
         with readable(self._files.summary):
             return typed(self._files.read_summary(), self.folder.name)
+
+    @cached_property
+    def accuracy(self) -> Mapping[str, Mapping[str, Any]]:
+        """Error bars of a run with ``until``: number -> value, bar, parts, goal, reached, reason, runs; else empty."""
+        path = self._files.accuracy
+        if not path.is_file():
+            return {}
+        with readable(path):
+            return json.loads(path.read_text(encoding="utf-8"))
 
     @cached_property
     def samples(self) -> Samples:

@@ -81,9 +81,9 @@ class Coarser:
         self.config, self.root = config, root
         self.message: str | None = None
         try:
-            self.configs = [_other(config, factor) for factor in FACTORS]
+            self.configs = [respaced(config, factor) for factor in FACTORS]
         except ConfigError as error:
-            self.configs = [_other(config, FINER)]
+            self.configs = [respaced(config, FINER)]
             self.message = str(error)
 
     @property
@@ -98,9 +98,9 @@ class Coarser:
             if self.message:
                 self.configs = []
                 with suppress(ConfigError):
-                    self.configs = [_other(self.config, FINER)]
+                    self.configs = [respaced(self.config, FINER)]
         if self.message and self.configs:
-            finer = _validated(self.config, self.configs[0])
+            finer = validated(self.config, self.configs[0])
             known = schemes.estimates(schemes.resolve(finer)[0], scenes.of(finer))
             text = f"after the run a finer one, {finer.particles_across} across, tells the error instead"
             print(f"{self.message}\n{text}: about {known['steps']} steps", file=sys.stderr, flush=True)
@@ -111,7 +111,7 @@ class Coarser:
         estimate: dict[str, Any] = {"reason": reason}
         if not reason:
             folders = [self.root / FOLDER / name for name in self.names]
-            others = [_validated(self.config, each) for each in self.configs]
+            others = [validated(self.config, each) for each in self.configs]
             folders, configs = [*folders, self.root], [*others, self.config]
             if self.message:
                 folders, configs = folders[::-1], configs[::-1]
@@ -130,8 +130,11 @@ class Coarser:
         return failed
 
 
-def _other(config: Config, factor: float) -> dict[str, Any]:
-    """Return the config, a plain dict without its name, of a run with about 1/``factor`` of the particles across."""
+def respaced(config: Config, factor: float) -> dict[str, Any]:
+    """Return the config, a plain dict without its name, of a run with about 1/``factor`` of the particles across.
+
+    ConfigError where the config allows none.
+    """
     resolved, wanted = schemes.resolve(config)[0], config.particles_across / factor
     near = range(int(wanted / NEAR), int(wanted * NEAR) + 2)
     for across in sorted((n for n in near if wanted / NEAR < n < wanted * NEAR), key=lambda n: abs(n - wanted)):
@@ -145,13 +148,14 @@ def _other(config: Config, factor: float) -> dict[str, Any]:
         data["output"] = {"video": None}
         del data["name"]
         with suppress(ValidationError):
-            _validated(config, data)
+            validated(config, data)
             return data
     text = f"--estimate-error: needs a run with about {wanted:.0f} particles across, which this config does not allow"
     raise ConfigError(f"{text}; give more particles across, or a box that they fill")
 
 
-def _validated(config: Config, data: dict[str, Any]) -> Any:
+def validated(config: Config, data: dict[str, Any]) -> Any:
+    """Return the config ``data``, under the name of ``config``."""
     return type(config).model_validate({"name": config.name, **data})
 
 
@@ -163,7 +167,7 @@ def compare(results: Sequence[Result], configs: Sequence[Any]) -> dict[str, Any]
     compared: list[Any] = [scenes.of(each) for each in configs]
     spacings, expected = [scene.spacing for scene in compared], schemes.orders(schemes.resolve(configs[-1])[0])
     snapshots: Any = zip(*(open_run(result.folder).snapshots() for result in results), strict=True)
-    norms = [{**_fields(compared, each), **_profiles(compared, each)} for each in snapshots]
+    norms = [{**field_norms(compared, each), **_profiles(compared, each)} for each in snapshots]
     order = None
     if len(configs) == 3:
         observed = [of_norms(spacings, each, expected) for sample in norms for each in sample.values()]
@@ -185,8 +189,13 @@ def compare(results: Sequence[Result], configs: Sequence[Any]) -> dict[str, Any]
     return {"particles_across": [each.particles_across for each in configs], "order": order, "samples": samples}
 
 
-def _fields(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[str, list[float]]:
-    """Return name of a field -> norms of its differences between the runs, over the norm of the field."""
+def field_norms(
+    compared: Sequence[Any], snapshots: Sequence[Snapshot], kind: float | None = None
+) -> dict[str, list[float]]:
+    """Return name of a field -> norms of its differences between the runs, over the norm of the field.
+
+    ``kind``: of the norm, as for ``numpy.linalg.norm``; infinite for the largest component.
+    """
     names: dict[str, tuple[str, ...]] = {"velocity": ("u", "v")}
     if not compared[0].parallel:
         names["pressure"] = ("pressure",)
@@ -204,7 +213,7 @@ def _fields(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[str,
             values = [each - np.mean(weight * each) for each in values]
         if name == "velocity":
             values = [each - [compared[0].frame_velocity, 0.0] for each in values]
-        found[name] = _norms([weight**0.5 * each for each in values])
+        found[name] = _norms(values if kind else [weight**0.5 * each for each in values], kind)
     return found
 
 
@@ -233,10 +242,11 @@ def _at(scene: Scene, snapshot: Snapshot, values: np.ndarray, points: np.ndarray
     return interpolated(scene, positions, values, points)
 
 
-def _norms(values: Sequence[np.ndarray]) -> list[float]:
-    size = np.linalg.norm(values[-1]) or 1.0
+def _norms(values: Sequence[np.ndarray], kind: float | None = None) -> list[float]:
+    values = [each.ravel() for each in values]
+    size = np.linalg.norm(values[-1], kind) or 1.0
     pairs = PAIRS[: 3 if len(values) == 3 else 1]
-    return [float(np.linalg.norm(values[one] - values[other]) / size) for one, other in pairs]
+    return [float(np.linalg.norm(values[one] - values[last], kind) / size) for one, last in pairs]
 
 
 @dataclass(frozen=True)
@@ -293,7 +303,7 @@ def of_norms(
     if not norms[0] > norms[1] > 0.0:
         reason = "does not converge: the finer two runs differ no less than the coarser two"
         return Extrapolation(None, None, reason, float(max(norms)))
-    observed, misfit, model = _fitted(np.asarray(spacings), np.asarray(norms))
+    observed, misfit, model = fitted(np.asarray(spacings), np.asarray(norms))
     reason = ""
     if misfit > LARGEST_MISFIT:
         reason = "no one order: the three differences do not fit a power of the spacing"
@@ -301,26 +311,26 @@ def of_norms(
         reason = f"order {observed:.2g} where {expected[0]:g} to {expected[1]:g} is to be expected"
     if reason:
         return Extrapolation(observed, None, reason, float(max(norms)))
-    scale, _ = _scale(np.asarray(spacings), np.asarray(norms), order or observed, model)
-    return Extrapolation(observed, scale * (spacings[2] / spacings[0]) ** (order or observed))
+    coarsest, _ = scale(np.asarray(spacings), np.asarray(norms), order or observed, model)
+    return Extrapolation(observed, coarsest * (spacings[2] / spacings[0]) ** (order or observed))
 
 
-def _fitted(spacings: np.ndarray, norms: np.ndarray) -> tuple[float, float, Callable]:
+def fitted(spacings: np.ndarray, norms: np.ndarray) -> tuple[float, float, Callable]:
     """Return order and misfit of the model that fits better, and the model: a function of two errors."""
     from scipy.optimize import minimize_scalar
 
     def misfit(order: float, model: Callable) -> float:
-        return float(np.sum(_scale(spacings, norms, order, model)[1] ** 2))
+        return float(np.sum(scale(spacings, norms, order, model)[1] ** 2))
 
     found = []
     for model in (np.subtract, np.hypot):
         order = float(minimize_scalar(misfit, bounds=ORDERS, args=(model,), options={"xatol": 1e-9}).x)
-        found.append((np.abs(_scale(spacings, norms, order, model)[1]).max(), order, model))
+        found.append((np.abs(scale(spacings, norms, order, model)[1]).max(), order, model))
     most, order, model = min(found, key=lambda each: each[0])
     return order, float(most), model
 
 
-def _scale(spacings: np.ndarray, norms: np.ndarray, order: float, model: Callable) -> tuple[float, np.ndarray]:
+def scale(spacings: np.ndarray, norms: np.ndarray, order: float, model: Callable) -> tuple[float, np.ndarray]:
     """Return the error of the coarsest run that fits the ``norms`` best, and the residuals of their logarithms."""
     errors = (spacings / spacings[0]) ** order
     residuals = np.log(norms) - np.log([model(errors[one], errors[other]) for one, other in PAIRS])

@@ -7,6 +7,7 @@ vary:
   discretisation.particles_across: [10, 20, 40]
   time.tolerance: {from: 1.0e-5, to: 1.0e-3, count: 3, spacing: log}
   "fluid.density, walls.top.velocity": [[1.0, 0.5], [2.0, 0.25]]    # vary together
+until: {wall_shear_top: 0.1%}            # refine each run until the error bar of a number is inside a goal
 collect: [l2, wall_shear_top]           # numbers of the last sample, of numbers, of cost or of tisph rheometry
 error: l2                               # the number that the summary judges
 bound: 1.0e-3                           # the summary names the cheapest run below it
@@ -54,7 +55,7 @@ from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
 from tisph.studies.suites import document
 from tisph.text_table import format_table
 
-KEYS = ("name", "base", "vary", "collect", "error", "bound")
+KEYS = ("name", "base", "vary", "until", "collect", "error", "bound")
 RANGE = {"from", "to", "count", "spacing"}
 
 MOST = 100_000
@@ -128,7 +129,7 @@ def read(path: str | Path) -> Study:
         else:
             beside = path.parent / str(data["base"])
             base = beside if beside.is_file() else Path(str(data["base"]))
-        cases = tuple(_case(base, dict(zip(keys, row, strict=True))) for row in rows)
+        cases = tuple(_case(base, dict(zip(keys, row, strict=True)), data.get("until")) for row in rows)
         judged = str(data.get("error", collect[0] if collect else "l2"))
         collected = tuple(dict.fromkeys((judged, *collect)))
         _require_names(path, collected, base, cases)
@@ -206,9 +207,9 @@ def _range(name: str, given: dict[str, Any], path: Path) -> list[float]:
     return [float(f"{value:.12g}") for value in values]
 
 
-def _case(base: Path, values: dict[str, Any]) -> Case:
+def _case(base: Path, values: dict[str, Any], until: Any = None) -> Case:
     try:
-        config = load(base, override_texts(values))
+        config = load(base, override_texts({**values, **({} if until is None else {"accuracy": until})}))
         numbers, _ = forecast(config)
     except ConfigError as error:
         return Case(_hash(values), values, None, refusal=str(error))

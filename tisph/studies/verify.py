@@ -31,6 +31,9 @@ from tisph.text_table import format_header, format_row, format_table
 
 HEADER = ("case", "quantity", "value", "bound", "verdict")
 
+BARS = "bars"
+"""The study of error bars, in ``bars.py``; it does not run with the others."""
+
 MANUFACTURED = "manufactured"
 """The suite whose runs are built in Python; it needs sympy, and does not run with the others."""
 
@@ -47,6 +50,10 @@ def run(
     checks in place of the table. Returns True if every check passed. Raises ConfigError where there is no such suite,
     it has a mistake, or the folder cannot be used.
     """
+    if name == BARS:
+        from tisph.studies import bars
+
+        return bars.run(out, as_json)
     suite = suite_of(name, quick, long)
     with ExitStack() as stack:
         if out:
@@ -73,7 +80,7 @@ def suite_of(name: str | None, quick: bool = False, long: bool = False) -> Suite
         return suites.ours(name, quick, long)
     if Path(name).suffix in (".yaml", ".yml"):
         return suites.read(Path(name), quick, long)
-    names = (*suites.PARTS, MANUFACTURED, REFERENCES)
+    names = (*suites.PARTS, MANUFACTURED, REFERENCES, BARS)
     if name in names:
         raise ConfigError(f"--long: {name} has no long section")
     raise ConfigError(

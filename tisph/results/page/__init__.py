@@ -98,6 +98,21 @@ def estimate_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
     return _named_once(Table("Errors estimated from coarser runs", header, rows), runs)
 
 
+def accuracy_table(runs: "Sequence[Results]", views: "Sequence[View]") -> Table:
+    """Return the error bars of runs with ``--until``, and their parts."""
+    rows = []
+    for run, view in zip(runs, views, strict=True):
+        for name, each in run.accuracy.items():
+            parts = ", ".join(f"{part} {scientific(size)}" for part, size in each["parts"].items() if size)
+            sizes = (NOTHING if each[key] is None else scientific(each[key]) for key in ("bar", "goal"))
+            value = cell_text(each["value"])
+            remark = each["reason"] or ""
+            reached = "yes" if each["reached"] else "no"
+            rows.append(Row([view.title, name.replace("_", " "), value, *sizes, reached, parts, remark]))
+    header = ["run", "number", "value", "error bar", "goal", "reached", "parts of the bar", "remark"]
+    return _named_once(Table("Error bars, from a chain of runs", header, rows), runs)
+
+
 def side_by_side(runs: "Sequence[Results]") -> list[Table]:
     """Numbers, balance of momentum, costs and provenance: a column a run."""
     summaries = [run.summary for run in runs]
@@ -199,6 +214,7 @@ class View:
     movie: Element | None
     profiles: Element | None
     history: Element | None
+    chain: Element | None
 
     @classmethod
     def of(cls, run: "Results", title: str) -> "View":
@@ -228,6 +244,10 @@ class View:
             history=element(
                 files.history_picture,
                 f"History of {title}: {series}. Markers are the run, lines the reference where there is one.",
+            ),
+            chain=element(
+                files.accuracy_picture,
+                f"Numbers of {title} against the spacing, with the goal around the finest run and its error bar.",
             ),
         )
 
@@ -278,6 +298,7 @@ def report(runs: "Sequence[Results]") -> str:
             tables=[
                 error_table(runs, views),
                 estimate_table(runs, views),
+                accuracy_table(runs, views),
                 measure_table(runs, views),
                 *side_by_side(runs),
             ],

@@ -66,6 +66,13 @@ def runs(monkeypatch):
     return fakes
 
 
+def test_each_run_is_refined_until_its_goal_is_reached(study):
+    study.write_text(f"{STUDY}until: {{wall_shear_top: 0.1%}}\n")
+    assert all(case.config["accuracy"] == {"wall_shear_top": "0.1%"} for case in sweep.read(study).cases)
+    study.write_text(f"{STUDY}until: {{wall_shear_top: 0}}\n")
+    assert all("accuracy" in case.refusal for case in sweep.read(study).cases)
+
+
 def test_keys_vary_each_with_each_or_together(study):
     together = "  'fluid.density, walls.top.velocity': [[1.0, 0.5], [2.0, 0.25]]\ncollect"
     study.write_text(STUDY.replace("bound", '"error": l2\nbound').replace("collect", together))

@@ -95,7 +95,7 @@ def test_parts_of_the_bar_are_summed_in_squares():
     ("of", "asked", "reason"),
     [
         (lambda h: 1.0 + h**0.5, 1e-4, "order 0.5 where 1.5 to 6"),
-        (lambda h: 1.0 + 100 * h**9, 1e-9, "order 9 where 1.5 to 6"),
+        (lambda h: 1.0 + 1e6 * h**9, 1e-9, "order 9 where 1.5 to 6"),
         (lambda h: 1.0 + math.sin(1e4 / h**1.7), 1e-3, "it "),
         (lambda h: 1.0 + 1.0 / h, 1e-3, "does not converge"),
         (lambda h: 1.0 + h**4, 1e-14, "below the rounding error"),
@@ -114,25 +114,34 @@ def test_numbers_that_go_up_and_down_have_their_spread_as_bar():
     values = {10: 1.0, 14: 1.002, 20: 1.001}
     _, found, _ = chain(lambda h: values[round(1 / h)], "1%")
     assert found["reached"]
-    assert found["bar"] == pytest.approx(until.SAFETY * 0.001, rel=0.05)
+    assert found["bar"] == pytest.approx(until.SAFETY * 0.001)
     assert "goes up and down" in found["reason"]
 
 
 def test_scatter_around_an_order_is_in_the_bar_of_four_runs():
     scatter = {10: 0.0, 14: 3e-3, 20: -3e-3, 28: 1e-3}
     values = {across: 1.0 + 30 * across**-3.0 + each for across, each in scatter.items()}
-    points = [Point(across, 1 / across, 1.0, "", {"drag": value}) for across, value in values.items()]
-    made = Chain(Numbers(None), [goal("drag", "1%")], points=points)
-    assert extrapolated([1 / 14, 1 / 20, 1 / 28], [1.0, 1.1, 2.1], True, 0.0, 2.0)[2]  # no order in the last three
-    bar = made.bar(made.goals[0])
-    assert bar.doubt == ""
-    assert 2e-3 < bar.size < 2e-2
-    assert abs(bar.value - 1.0) < bar.size
+    spacings = [1 / across for across in values]
+    wide, order = until.fitted(spacings, list(values.values()))
+    assert until.ORDERS[0] <= order <= until.ORDERS[1]
+    assert abs(values[28] - 1.0) < wide < 0.02
+    exact, _ = until.fitted(spacings, [1.0 + 30 * h**3 for h in spacings])
+    assert exact == pytest.approx(until.SAFETY * 30 / 28**3, rel=1e-3)
+
+
+def test_a_number_of_low_order_has_the_bar_of_that_order():
+    spacings = [1 / 10, 1 / 14, 1 / 20]
+    values = [h**1.2 for h in spacings]
+    norms = [values[0] - values[1], values[1] - values[2], values[0] - values[2]]
+    error, order, doubt = extrapolated(spacings, norms, True, 0.0, 3.0)
+    assert error == pytest.approx(until.SAFETY * values[2], rel=1e-3)
+    assert doubt == "order 1.2 where 1.5 to 6 is to be expected"
+    assert order == pytest.approx(1.2, rel=1e-3)
 
 
 def test_an_order_that_is_too_good_is_not_extrapolated_with():
     h = [0.1, 0.07, 0.05]
-    error, order, doubt, _ = extrapolated(
+    error, order, doubt = extrapolated(
         h, [0.1**5.5 - 0.07**5.5, 0.07**5.5 - 0.05**5.5, 0.1**5.5 - 0.05**5.5], True, 0.0, 2.0
     )
     assert (order, doubt) == (pytest.approx(5.5, rel=1e-4), "")

@@ -1,7 +1,8 @@
 """``tisph verify bars``: error bars of ``tisph run --until`` against true errors, in flows with known numbers.
 
-A row is a flow and a goal. The cost of a chain is the processor time of the steps of all its runs; it is compared with
-the cost of the coarsest of all known runs of the flow from which on each has an error inside the goal.
+A row is a flow and a goal. The cost of a chain is the processor time of the steps of all its runs. It is compared with
+the cost of the coarsest of all known runs of the flow from which on each has an error inside the goal. Where this is
+the coarsest run of the chain, three runs cost ten times as much: the other rows have a median of their own.
 """
 
 import json
@@ -47,6 +48,7 @@ class Row:
     reached: bool
     reason: str | None
     cost: float | None
+    coarsest_will_do: bool = False
 
     @property
     def factor(self) -> float:
@@ -95,10 +97,10 @@ def judged(name: str, flow: dict[str, Any], chains: dict[str, Any], truth: float
         folders = [*(each["folder"] for each in entry["runs"]), f"{first}_shorter_steps"]
         spent = sum(_cost(root / each) for each in folders)
         cost = spent / _cost(root / cheapest["folder"]) if cheapest and entry["reached"] else None
-        error = abs(entry["value"] - truth)
+        error, will_do = abs(entry["value"] - truth), cheapest is finest_first[-1]
         yield Row(
             name, flow["kind"], flow["number"], truth, goal, entry["value"], entry["bar"], error, entry["reached"],
-            entry["reason"], cost,
+            entry["reason"], cost, will_do,
         )  # fmt: skip
 
 
@@ -124,6 +126,7 @@ def bounds(found: Sequence[Row]) -> list[tuple[str, str, bool]]:
     """Return name, numbers in words and verdict of each bound."""
     bars = [each for each in found if each.reached]
     costs = [each.cost for each in bars if each.cost is not None]
+    finer = [each.cost for each in bars if each.cost is not None and not each.coarsest_will_do]
     count, total = sum(each.factor >= 1.0 for each in bars), len(bars)
     tight = sum(1.0 / FACTOR <= each.factor <= FACTOR for each in bars)
     worst = max((1.0 / each.factor for each in bars), default=math.nan)
@@ -134,6 +137,7 @@ def bounds(found: Sequence[Row]) -> list[tuple[str, str, bool]]:
         ("largest error", f"{worst:.2g} bars; at most {FARTHEST:g}", worst <= FARTHEST),
         (f"bar within a factor {FACTOR:g}", f"{tight} of {total}; {TIGHT:.0%} are wanted", tight >= TIGHT * total),
         ("median cost", f"{middle:.2g}; at most {COST:g}", middle <= COST),
+        ("median cost where the coarsest run misses the goal", f"{statistics.median(finer or [math.nan]):.2g}", True),
         ("largest cost", f"{highest:.2g}; at most {HIGHEST_COST:g}", highest <= HIGHEST_COST),
     ]
 

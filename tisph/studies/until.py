@@ -12,11 +12,12 @@ Three runs of spacings h_1 > h_2 > h_3 with numbers n_i show an order p: n_i = n
 * scatter: twice the standard error of the number, where it scatters from step to step or from time to time;
 * steadiness: the change of a number in a flow that is not steady yet, in the time by which its steadiness is judged.
 
-Where p is outside 1.5 to 6, or the numbers go up and down, n, C and p are fitted to four runs by least squares, with
-weights 1/h; with an order in this range the first term of (1) is SAFETY C h^q + 2 sigma, sigma being the standard
-deviation of the residuals. Without such an order the bar is SAFETY times |n_2 - n_3|, or what |n_1 - n_2| leaves at h_3
-by the least order of the scheme, and at least (1). It holds for numbers that go up and down, or converge faster; it
-does not without an order of 1.5.
+Where p is outside 1.5 to 6, or the numbers go up and down, the first term of (1) is the least that is safe. A number
+with p < 1.5 has the bar of p, which is 0.1 at least; this is also that of numbers that do not converge. Numbers that go
+up and down, or with p > 6, have SAFETY times |n_2 - n_3|, or what |n_1 - n_2| leaves at h_3 by the order of the
+scheme. With four runs n, C and p are fitted by least squares, with weights 1/h; with an order in the range the bar is
+SAFETY C h^q + 2 sigma if that is smaller, sigma being the standard deviation of the residuals. A number without an
+order in two successive runs, whose bar is outside the goal, is refused.
 
 With a known order the spacing that the goal needs is known: runs in between are skipped.
 
@@ -94,8 +95,6 @@ ROUNDING = {"f64": 1e-12, "f32": 1e-5}
 
 MOST_RUNS = 12
 
-DIVERGES = "it does not converge: the finer two runs differ no less than the coarser two"
-
 UNITS = {"s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0}
 
 
@@ -151,15 +150,13 @@ class Source(Protocol):
 class Bar:
     """A number of the finest run: its ``value`` and the ``parts`` of its error bar.
 
-    ``order``: observed order, None without three runs. ``doubt``: why the order is none, or empty; with
-    ``holds`` the bar is one nevertheless.
+    ``order``: observed order, None without three runs. ``doubt``: why the order is none to rely on, or empty.
     """
 
     value: float
     parts: Mapping[str, float]
     order: float | None = None
     doubt: str = ""
-    holds: bool = True
 
     @property
     def size(self) -> float:
@@ -168,32 +165,33 @@ class Bar:
 
 
 def extrapolated(
-    spacings: Sequence[float], norms: Sequence[float], monotone: bool, rounding: float, least: float
-) -> tuple[float, float | None, str, bool]:
-    """Return the part ``spacing`` of equation (1), the order, the ``doubt`` of a ``Bar``, and whether the bar holds.
+    spacings: Sequence[float], norms: Sequence[float], monotone: bool, rounding: float, expected: float
+) -> tuple[float, float | None, str]:
+    """Return the part ``spacing`` of equation (1), the order, and the ``doubt`` of a ``Bar``.
 
-    ``norms``: of the differences 1-2, 2-3 and 1-3 of three runs. Differences below ``rounding`` are none. ``least``:
-    least order of the scheme.
+    ``norms``: of the differences 1-2, 2-3 and 1-3 of three runs. Differences below ``rounding`` are none. ``expected``:
+    order of the scheme.
     """
     if max(norms) <= rounding:
-        return rounding, None, "", True
-    left = norms[0] / ((spacings[0] / spacings[1]) ** least - 1.0) * (spacings[2] / spacings[1]) ** least
-    spread = SAFETY * max(norms[1], left)
+        return rounding, None, ""
+    finest, coarsest = spacings[1] / spacings[2], spacings[0] / spacings[1]
+    least = SAFETY * max(norms[1], norms[0] / (coarsest**expected - 1.0) / finest**expected)
     if not monotone:
-        return spread, None, "it goes up and down from run to run", True
+        return least, None, "it goes up and down from run to run"
     if norms[1] <= rounding:
-        return spread, None, "", True
+        return least, None, ""
+    lowest = SAFETY * max(norms[:2]) / (finest ** error_estimate.ORDERS[0] - 1.0)
     if norms[0] <= norms[1]:
-        return SAFETY * max(norms), None, DIVERGES, False
+        return lowest, None, "it does not converge: the finer two runs differ no less than the coarser two"
     h = np.asarray(spacings)
     observed, _, model = error_estimate.fitted(h, np.asarray(norms))
-    order = min(max(observed, ORDERS[0]), HIGHEST)
-    scale, _ = error_estimate.scale(h, np.asarray(norms), order if observed > ORDERS[0] else observed, model)
-    error = SAFETY * scale * (h[2] / h[0]) ** (order if observed > ORDERS[0] else observed)
+    order = min(observed, HIGHEST)
+    scale, _ = error_estimate.scale(h, np.asarray(norms), order, model)
+    error = SAFETY * scale * (h[2] / h[0]) ** order
     if ORDERS[0] <= observed <= ORDERS[1]:
-        return error, observed, "", True
+        return error, observed, ""
     doubt = f"order {observed:.2g} where {ORDERS[0]:g} to {ORDERS[1]:g} is to be expected"
-    return max(spread, error), observed, doubt, observed > ORDERS[1]
+    return error if observed < ORDERS[0] else max(least, error), observed, doubt
 
 
 def fitted(spacings: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
@@ -274,12 +272,12 @@ class Chain:
             a, b, c = (each.values[name] for each in last)
             norms, monotone = [abs(a - b), abs(b - c), abs(a - c)], (a - b) * (b - c) >= 0.0
             rounding = self.source.rounding * max(map(abs, (a, b, c)))
-        error, order, doubt, holds = extrapolated(spacings, norms, monotone, rounding, self.source.orders[0])
+        error, order, doubt = extrapolated(spacings, norms, monotone, rounding, self._expected)
         if doubt and value is not None and len(self.points) > 3:
             four = self.points[-4:]
             wide, slope = fitted([each.spacing for each in four], [each.values[name] for each in four])
-            if ORDERS[0] <= slope <= ORDERS[1]:
-                error, order, doubt, holds = wide, slope, "", True
+            if ORDERS[0] <= slope <= ORDERS[1] and wide < error:
+                error, order, doubt = wide, slope, ""
         power = 2.0 if order is None else min(max(order, ORDERS[0]), TIME_ORDER)
         parts = {
             "spacing": error,
@@ -287,7 +285,7 @@ class Chain:
             "scatter": STANDARD_ERRORS * end.scatter.get(name, 0.0),
             "steadiness": end.steadiness.get(name, 0.0),
         }
-        return Bar(math.hypot(*parts.values()) if value is None else value, parts, order, doubt, holds)
+        return Bar(math.hypot(*parts.values()) if value is None else value, parts, order, doubt)
 
     def _of_two(self, last: Sequence[Point], name: str) -> float:
         """Return the error of the finer of two runs with the least order."""
@@ -297,10 +295,10 @@ class Chain:
         return SAFETY * difference / ((last[0].spacing / last[1].spacing) ** self.source.orders[0] - 1.0)
 
     def reached(self, goal: Goal) -> bool:
-        """Return whether the bar of a number is inside its goal, and holds."""
+        """Return whether the bar of a number is inside its goal."""
         bar = self.bar(goal)
         known = goal.name in FIELDS and goal.name in self.points[-1].values
-        return (known or len(self.points) > 2) and bar.holds and bar.size <= goal.size(bar.value)
+        return (known or len(self.points) > 2) and bar.size <= goal.size(bar.value)
 
     def _judged(self) -> bool:
         """Return whether each goal is reached or refused."""

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 from typer.testing import CliRunner
@@ -148,6 +148,29 @@ def test_an_order_that_is_too_good_is_not_extrapolated_with():
     assert error > until.SAFETY * 0.05**5.5
 
 
+class Fields(Numbers):
+    """A source of runs without an exact solution, with an error of the velocity of h^4."""
+
+    def run(self, factor):
+        return replace(super().run(factor), values={})
+
+    def time_errors(self):
+        return {}
+
+    def norms(self, name, points):
+        a, b, c = (each.spacing**4 for each in points)
+        return [a - b, b - c, a - c]
+
+
+def test_a_norm_of_the_error_is_estimated_from_three_runs():
+    made = Chain(Fields(lambda h: 0.0), [goal("l2", "0.001%")], say=lambda _: None)
+    made.run()
+    found = made.entries()["l2"]
+    assert found["reached"]
+    assert found["goal"] == 1e-5
+    assert found["value"] == found["bar"] == pytest.approx(until.SAFETY * made.points[-1].spacing ** 4, rel=1e-3)
+
+
 def test_runs_that_agree_but_for_rounding_have_the_rounding_error_as_bar():
     _, found, _ = chain(lambda h: 3.0, "0.1%")
     assert (found["reached"], found["bar"]) == (True, pytest.approx(3e-12))
@@ -160,6 +183,20 @@ def test_the_next_run_may_cost_too_much():
     assert found["bar"] > 1e-6
     assert not found["reached"]
     assert found["value"] == 1.0 + made.points[-1].spacing ** 2
+
+
+def test_the_error_of_a_field_without_exact_solution_is_extrapolated(monkeypatch):
+    def norms(self, name, points):
+        errors = [100 * each.spacing**3 for each in points]
+        return [errors[0] - errors[1], errors[1] - errors[2], errors[0] - errors[2]]
+
+    monkeypatch.setattr(Numbers, "norms", norms)
+    made = Chain(Numbers(lambda h: 1.0), [goal("l2", 2e-2)], say=lambda text: None)
+    made.run()
+    found = made.entries()["l2"]
+    assert found["reached"]
+    assert found["value"] == pytest.approx(until.SAFETY * 100 * made.points[-1].spacing ** 3, rel=1e-3)
+    assert found["order"] == pytest.approx(3.0, rel=1e-3)
 
 
 def test_kept_runs_cost_nothing():

@@ -330,8 +330,8 @@ class Chain:
             bar = self.bar(goal)
             order = min(bar.order or self._expected, HIGHEST)
             known = len(self.points) == 2 or (bar.order is not None and not bar.doubt)
-            wanted = MARGIN * goal.size(bar.value) / bar.size if bar.size else 1.0
-            ratios.append(wanted ** (1.0 / order) if known and math.isfinite(wanted) else 1.0 / FINER)
+            wanted = MARGIN * goal.size(bar.value) / bar.size if known and bar.size else math.nan
+            ratios.append(wanted ** (1.0 / order) if 0.0 < wanted < math.inf else 1.0 / FINER)
         return min(ratios)
 
     @property

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import WallMotion
 from tisph.measures.metrics import sample_metrics
-from tisph.measures.resolution import LEAST_DEPTH, load_scatters, resolution, steadiness
+from tisph.measures.resolution import LEAST_DEPTH, load_scatters, resolution
 from tisph.report.labels import error_label
 from tisph.snapshot import Bodies, Snapshot
 
@@ -314,30 +313,3 @@ def test_a_layer_counts_in_the_spacing_at_its_wall():
     assert resolution(coarse, 0.1)[1].startswith("the layer at bodies and walls is 1 spacings thin")
     assert resolution(fine, 0.1) == (True, None)  # 2.5 spacings
     assert not resolution(fine, 0.05)[0]  # 1.8 spacings
-
-
-NO_REASON = {"steady_reason": None}
-
-
-def judged(values, t=5.0, relaxation_time=None):
-    """Whether a kinetic energy (times,), from t = 0 on, is steady at a time; the scene's time step is 1."""
-    polymer = None if relaxation_time is None else SimpleNamespace(relaxation_time=relaxation_time)
-    scene = SimpleNamespace(reference_length=1.0, reference_velocity=1.0, viscous_time=9.0, start_time=0.0)
-    scene.polymer, times = polymer, np.linspace(0.0, t, len(values))
-    return steadiness(scene, t, ((), None, (times, np.asarray(values)[:, None])))
-
-
-def test_a_bend_after_a_start_is_no_scatter():
-    """The energy jumps at t = 0 and falls by 5 %; with noise of 1e-4 the bend is 50 times the noise."""
-    times, noise = np.linspace(0.0, 5.0, 201), np.random.default_rng(0).normal(size=201)
-    falling = np.where(times > 0.0, 1.0 + 0.05 * np.exp(-2.0 * times), 0.0)
-    found = judged(falling * (1.0 + 1e-4 * noise))
-    assert (found["steady"], found["energy_change"] > 2e-3) == (False, True)
-    assert judged(np.where(times > 0.0, 1.0 + 2e-3 * noise, 0.0))["steady"]  # as means over 25 x 25 particles
-    assert judged(1.0 + 2e-4 * times) == {"energy_change": pytest.approx(2e-4, rel=1e-3), "steady": True} | NO_REASON
-    assert not judged(1.0 + 4e-4 * times)["steady"]
-
-
-def test_a_polymer_is_not_steady_before_five_relaxation_times():
-    assert judged(np.ones(50), 5.0, 1.0)["steady"]
-    assert "less than 6" in judged(np.ones(50), 5.0, 1.2)["steady_reason"]

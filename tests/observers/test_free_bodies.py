@@ -11,6 +11,7 @@ from report_scene import at_start
 from tisph.cli.run import result_text
 from tisph.config import load
 from tisph.geometry.body import gap
+from tisph.measures.steadiness import Followed
 from tisph.observers.history import BODY_FIELDS, Trajectories
 from tisph.observers.samples import Description
 from tisph.report.layout import arrange
@@ -102,12 +103,15 @@ def test_the_picture_shows_places_and_no_forces(make):
 
 def test_a_drifting_body_may_be_in_a_steady_state(tmp_path, make):
     _, scene, _ = make()
-    history = SimpleNamespace(time_series=scene.time_series(), path=tmp_path / "history.csv")
+    series, path = scene.time_series(), tmp_path / "history.csv"
+    history = SimpleNamespace(time_series=series, path=path)
+    history.followed = lambda times, values: Followed(times, values, series.judged_sizes)
+    times = 10.0 * max(scene.slow_times.values()) * np.linspace(0.0, 1.0, 101)
     columns = list(history.time_series.columns)
     for drifting, steady_since in (("x_0", 0.0), ("angle_2", 0.0), ("u_0", None)):
-        rows = [[t, *(t if name == drifting else 0.0 for name in columns)] for t in (0.0, 0.5, 1.0)]
+        rows = [[t, *(t if name == drifting else 0.0 for name in columns)] for t in times]
         history.path.write_text("".join(",".join(map(str, row)) + "\n" for row in [["t", *columns], *rows]))
-        assert _steady(history) == {"steady_since": steady_since}
+        assert _steady(scene, history) == {"steady_since": steady_since}
 
 
 # --- trajectories

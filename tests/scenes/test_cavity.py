@@ -11,6 +11,7 @@ from tisph.cli.run import result_text
 from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
+from tisph.measures.steadiness import Followed
 from tisph.scenes.cavity import Scene
 from tisph.schemes._forecast import forecast
 from tisph.simulation.state import start_snapshot, start_values
@@ -43,7 +44,9 @@ def scene_initial(scene):
 
 
 def measured(scene, snapshot, energies=STEADY):
-    return sample_metrics(scene, snapshot, ((), np.array([0.03]), (TIMES, energies)))
+    sizes = scene.time_series().judged_sizes
+    series = (), np.array([0.03]), (TIMES, energies), Followed(TIMES, energies, sizes)
+    return sample_metrics(scene, snapshot, series)
 
 
 def test_the_sharp_lid_alone_slides_past_corners(case, regular):
@@ -98,11 +101,12 @@ def test_errors_of_the_exact_flow_are_those_of_the_interpolation(regular):
 def test_before_the_steady_state_there_are_no_errors(regular):
     state = snapshot_of(regular, RegularCavity(1.0, 1.0, 1.0, 0.01).velocity)
     rising = measured(regular, state, STEADY * (1 + 1e-3 * TIMES[:, None]))
-    assert rising["energy_change"] == pytest.approx(1e-3, rel=0.03)  # over the mean of the last times
+    middles = 27.5 * 0.05  # of the first and the last third of 41 records, over 2.03 = 1/(5 pi^2 nu)
+    assert rising["steady_change"] == pytest.approx(1e-3 * middles / 1.02, rel=1e-6)
     assert not rising["steady"]
     assert "changes" in rising["steady_reason"]
-    early = measured(regular, replace(state, t=3.0))
-    assert "less than 5" in early["steady_reason"]
+    early = measured(regular, replace(state, t=1.5))
+    assert early["steady_reason"] == "the flow has run for 1.5, less than the time of viscous decay, 2.03"
     for found in (rising, early):
         assert found["l2"] is None
         assert found["u_extreme_exact"] is None
@@ -179,8 +183,9 @@ def test_a_run_says_at_its_end_whether_it_is_steady(case, regular):
     assert (judged["steady"], judged["resolved"]) == ("yes", "yes")
     assert not any("steady" in line for line in rest)
     judged, rest = printed(STEADY * (1 + 1e-3 * TIMES[:, None]))
-    assert judged == {"resolved": "yes", "energy change": "9.8e-04", "steady": "no"}  # over the mean, at t = 17.5
-    assert "sample 0 is not steady: the kinetic energy changes by 9.8e-04 in a time of 1" in rest
+    assert judged == {"resolved": "yes", "change": "1.3e-03", "steady": "no"}
+    text = "kinetic energy changes by 1.3e-03 over the last 2, the time of viscous decay"
+    assert f"sample 0 is not steady: {text}" in rest
 
 
 def test_check_says_how_steep_the_stress_of_a_polymer_becomes(case):

@@ -15,7 +15,7 @@ from tisph import scenes
 from tisph.config import load
 from tisph.config.yaml_text import parse
 from tisph.measures.fits import cell_mean, section_mean
-from tisph.measures.resolution import resolution, steadiness, steady_since
+from tisph.measures.resolution import resolution
 from tisph.observers.samples import Samples, read_samples
 from tisph.report.labels import error_label
 from tisph.report.plots import profile_figure
@@ -131,47 +131,6 @@ def test_the_flow_rate_is_that_through_a_section_without_bodies(load_flow):
     assert section_mean(scene, snapshot_of(scene, u, v), 0.475, degree=2) == pytest.approx(1.0, abs=6e-4)
     closed = "bodies=[{centre: [0.5, 0.3], radius: 0.25}, {centre: [0.0, 0.7], radius: 0.28}]"
     assert scenes.of(load_flow(LATTICE, closed)).open_section(0.0) is None
-
-
-def test_steady_is_what_does_not_change_for_a_tenth_of_the_run():
-    times = np.linspace(0.0, 1.0, 101)
-    values = np.stack([1.0 - np.exp(-20.0 * times), 5.0 + 0.0 * times], axis=1)
-    # exp(-20 t) = 1e-3 at 0.345
-    assert steady_since(times, values, [1.0, 1.0]) == pytest.approx(0.35)
-    assert steady_since(times, np.stack([times, times], axis=1), [1.0, 1.0]) is None
-    assert steady_since(times, 1e3 * values, [1e3, 1e3]) == pytest.approx(0.35)  # a thousandth of their size counts
-    assert steady_since(times, np.where(times[:, None] > 0, values[:, :1], np.nan), [1.0]) == pytest.approx(0.35)
-
-
-RESTING = {"reference_length": 1.0, "reference_velocity": 1.0, "viscous_time": 10.0, "start_time": 0.0, "polymer": None}
-
-
-def test_scatter_of_a_mean_is_no_change_of_a_steady_flow():
-    """Of 100 values with a scatter of 2e-3 slopes have a standard error of 1.4e-4, of which 6 count: 8e-4."""
-    scene = SimpleNamespace(**RESTING)
-    times = np.linspace(0.0, 20.0, 401)
-    scattered = 1.0 + 2e-3 * np.random.default_rng(0).normal(size=401)
-    for rise, steady in ((0.0, True), (3e-4, True), (2e-3, False)):
-        values = (scattered + rise * (times - 20.0))[:, None]
-        ends = np.arange(5.0, 20.5, 0.5)
-        assert all(steadiness(scene, end, (None, None, (times, values)))["steady"] == steady for end in ends)
-
-
-def test_a_flow_is_steady_once_its_kinetic_energy_stays_constant():
-    scene = SimpleNamespace(**RESTING | {"reference_velocity": 2.0})  # 0.5 each
-    times = np.linspace(0.0, 10.0, 201)
-    energies = np.where(times <= 6.0, 3.0, 3.0 + (times - 6.0))[:, None]
-    found = steadiness(scene, 6.0, (None, None, (times, energies)))
-    assert found == {"energy_change": pytest.approx(0.0, abs=1e-12), "steady": True, "steady_reason": None}
-    found = steadiness(scene, 10.0, (None, None, (times, energies)))  # by 0.5 in a moment, of 5.75 in the mean
-    assert not found["steady"]
-    assert found["energy_change"] == pytest.approx(0.5 / 5.75, rel=1e-9)
-    assert not steadiness(scene, 2.0, (None, None, (times, energies)))["steady"]
-    three, seen = slice(None, None, 20), (None, None)  # 6, 7 and 8 are in the five moments before 8
-    assert steadiness(scene, 8.0, (*seen, (times[three], energies[three])))["energy_change"] > 0.0
-    two = slice(None, None, 40)
-    found = steadiness(scene, 8.0, (*seen, (times[two], energies[two])))
-    assert found["steady_reason"] == "the history has too few times"
 
 
 def test_a_movie_shows_the_distance_of_two_free_bodies(load_flow):

@@ -11,6 +11,7 @@ from tisph import scenes
 from tisph.geometry.body import smallest_gap
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
+from tisph.measures.steadiness import Followed
 from tisph.report.plots import history_figure, profile_figure
 from tisph.scenes.eccentric_annulus import LOADS
 from tisph.simulation.state import start_snapshot, start_values
@@ -43,7 +44,11 @@ def stokes_snapshot(scene, t=0.5):
 
 
 def measured(scene, snapshot, energies=STEADY):
-    return sample_metrics(scene, snapshot, ((), np.array([0.03]), (TIMES, energies)))
+    return sample_metrics(scene, snapshot, series_of(scene, TIMES, energies))
+
+
+def series_of(scene, times, energies):
+    return (), np.array([0.03]), (times, energies), Followed(times, energies, scene.time_series().judged_sizes)
 
 
 def test_the_inner_axis_is_off_by_its_part_of_the_mean_gap(case):
@@ -98,8 +103,8 @@ def test_flow_that_is_fast_or_not_yet_steady_has_no_reference(case):
     scene, faster = case(), case("fluid.kinematic_viscosity=0.3")
     assert (scene.reynolds, faster.reynolds) == pytest.approx((0.04, 4 / 3))
     rising = measured(scene, stokes_snapshot(scene), STEADY * (1 + 3.0 * TIMES[:, None]))
-    early = measured(scene, stokes_snapshot(scene, 0.05))
-    fast = sample_metrics(faster, stokes_snapshot(faster, 20.0), ((), None, (40 * TIMES, STEADY)))
+    early = measured(scene, stokes_snapshot(scene, 0.01))
+    fast = sample_metrics(faster, stokes_snapshot(faster, 20.0), series_of(faster, 40 * TIMES, STEADY))
     assert (rising["steady"], early["steady"], fast["steady"]) == (False, False, True)
     for found in (rising, early, fast):
         assert found["torque_inner"] is not None

@@ -19,6 +19,7 @@ from tisph.assessment.diagnosis import error_location, trend
 from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.measures.metrics import fitted_order, sample_metrics
+from tisph.measures.steadiness import with_followed
 from tisph.report.plots import profile_figure
 from tisph.scenes._scene import Scene
 from tisph.text_table import format_table
@@ -180,7 +181,8 @@ def _sample(path: Path, frame: Frame, t: float, scene: Scene, question: Question
         values = own.measure(aligned.snapshot)
         times = t * np.linspace(0.0, 1.0, STEADY_TIMES) if _steady(scene) else np.array([t])
         constant = np.nan_to_num(values, nan=1.0)  # loads on bodies, of which the data say nothing, are constant, too
-        series = own.places, values, (times, np.tile(constant, (len(times), 1)))
+        record = times, np.tile(constant, (len(times), 1))
+        series = with_followed((own.places, values, record), own.judged_sizes)
     numbers = sample_metrics(aligned.scene, aligned.snapshot, series, errors_alone=series is None)
     if not _steady(scene):
         return Sample(path, aligned, numbers, error_location(aligned.scene, aligned.snapshot))

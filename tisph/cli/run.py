@@ -46,12 +46,11 @@ def result_text(config: "Config", scene: "Scene", summary: Mapping[str, Any]) ->
         numbers = [name for name in numbers if name in samples[0]][:MOST_NUMBERS]
         error = "rms error / U" if scene.vanishing_scale else "L2 error"
         titles = (name.replace("_", " ") for name in numbers)
-        changes = [name for name in samples[0] if name.endswith("_change")]  # by which a flow is called steady
-        judged = (title for name in changes for title in (name.replace("_", " "), "steady"))
+        judged = ("change", "steady") if "steady" in samples[0] else ()
         header = ("sample", f"t [{config.units.time}]", error, *titles, "resolved", *judged)
         estimates = (summary.get("error_estimate") or {}).get("samples") or [None] * len(samples)
         rows = [
-            (str(index), f"{sample['t']:g}", _error(scene, sample, estimate), *_cells(sample, numbers, changes))
+            (str(index), f"{sample['t']:g}", _error(scene, sample, estimate), *_cells(sample, numbers))
             for index, (sample, estimate) in enumerate(zip(samples, estimates, strict=True))
         ]
         texts.append(format_table(header, rows[-MOST_SAMPLES:]))
@@ -82,11 +81,12 @@ def _error(scene: "Scene", sample: Mapping[str, Any], estimate: Any) -> str:
     return "none" if value is None else f"{value:.1e} (estimate)"
 
 
-def _cells(sample: Mapping[str, Any], numbers: Sequence[str], changes: Sequence[str]) -> Iterator[str]:
+def _cells(sample: Mapping[str, Any], numbers: Sequence[str]) -> Iterator[str]:
     yield from ("none" if sample[name] is None else f"{sample[name]:.5g}" for name in numbers)
     yield "yes" if sample["resolved"] else "no"
-    for name in changes:
-        yield from ("none" if sample[name] is None else f"{sample[name]:.1e}", "yes" if sample["steady"] else "no")
+    if "steady" in sample:
+        change = sample["steady_change"]
+        yield from ("none" if change is None else f"{change:.1e}", "yes" if sample["steady"] else "no")
 
 
 SHOWN = {

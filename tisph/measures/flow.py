@@ -15,6 +15,7 @@ import numpy as np
 
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
+from tisph.geometry.circle import Circle
 from tisph.geometry.outline import EndToEnd
 from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
 from tisph.snapshot import Snapshot
@@ -262,6 +263,47 @@ class FlowInBox(FlowDefaults):
         return self.polymer.relaxation_time / self.viscous_time if self.polymer else 0.0
 
     @property
+    def driven_periodically(self) -> bool:
+        """Whether a wall, a body or an inlet oscillates, or the drive."""
+        moving: list[Any] = [getattr(self, "pulsation", None), *(wall for _, wall in self.walls)]
+        for body in self.bodies:
+            motion = getattr(body, "motion", None)
+            moving += [getattr(motion, part, None) for part in ("x", "y", "rotation")]
+            moving += [getattr(body, "spin", None), getattr(getattr(body, "course", None), "wave", None)]
+        return any(getattr(part, "angular_frequency", 0.0) and part.amplitude for part in moving)
+
+    @property
+    def diffusion_time(self) -> float:
+        """Decay time [time] of the slowest flow between walls at rest, depth^2/(pi^2 nu) between two of them.
+
+        In a closed box it is an upper bound: decay rates over nu are at least the second eigenvalue of the Laplacian
+        in plane flow (L. E. Payne 1955), the first one around an axis. A box without walls has its longer side as
+        depth.
+        """
+        (width, height), closed = self.extent, not any(self.periodic) and not self.flows_through
+        if closed and not self.axisymmetric:
+            total = 4.0 / max(width, height) ** 2 + 1.0 / min(width, height) ** 2
+        else:
+            depth = max(width, height) if all(self.periodic) else height
+            on_axis = self.axisymmetric and self.origin[1] == 0.0  # a square around the pipe
+            total = 2.0 / (2.0 * height) ** 2 if on_axis else 1.0 / depth**2
+            total += 1.0 / width**2 if closed else 0.0
+        return 1.0 / (math.pi**2 * self.kinematic_viscosity * total)
+
+    @property
+    def slow_times(self) -> dict[str, float]:
+        """Times [time] in which the flow forgets its past, by their names."""
+        found = {}
+        if self.rheology and self.rheology.carries_stress:
+            laws = self.rheology.laws(self.kinematic_viscosity)
+            found["longest relaxation time"] = max(law.relaxation_time for law in laws)
+        if self.inertia:
+            found["time of viscous decay"] = self.diffusion_time
+        if self.reference_velocity and any(map(_changes_places, self.bodies)):
+            found["convective time of moving bodies"] = self.reference_length / self.reference_velocity
+        return found
+
+    @property
     def vanishing_scale(self) -> bool:
         """Whether the velocity crosses zero or decays, so that a relative error is not meaningful."""
         return False
@@ -379,3 +421,10 @@ class FlowInBox(FlowDefaults):
     def distance(self, points: np.ndarray, time: float) -> np.ndarray:
         """Return distances (n,) of ``points`` (n, 2) from the nearest wall at ``time``, negative outside the fluid."""
         return np.min([body.nearest(points, time).distance for body in self.bodies], axis=0)
+
+
+def _changes_places(body: Body) -> bool:
+    """Return whether the fluid around a ``body`` has another shape later: a circle may turn in its place."""
+    motion = body.motion
+    along, around = bool(motion.x.largest_speed or motion.y.largest_speed), bool(motion.rotation.largest_speed)
+    return body.in_fluid and (body.free or along or (around and not isinstance(body.shape, Circle)))

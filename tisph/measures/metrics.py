@@ -8,6 +8,7 @@ import numpy as np
 
 from tisph.measures.flow import FlowInBox
 from tisph.measures.resolution import load_scatters, resolution
+from tisph.measures.steadiness import followed, steadiness
 from tisph.snapshot import Snapshot
 
 
@@ -39,10 +40,10 @@ def sample_metrics(
     where these vary, for the velocity components u that have a reference: ``l2`` = sqrt(sum |u-u_exact|^2 / sum
     |u_exact|^2), with u relative to the scene's ``frame_velocity``; ``rms`` = sqrt(mean |u-u_exact|^2) / U and ``linf``
     = max |u-u_exact| / U, with U the reference velocity. ``rms`` is meaningful at all times, ``l2`` is not where u
-    crosses zero.
+    crosses zero. ``steady``, ``steady_change`` and ``steady_reason``: ``steadiness.py``, where ``series`` has sizes.
     """
     snapshot = with_reference(scene, snapshot)
-    squares = _squared_errors(scene, snapshot)
+    squares, record = _squared_errors(scene, snapshot), followed(series)
     diagnostics: dict[str, Any] = {
         "t": snapshot.t,
         "step": snapshot.step,
@@ -51,6 +52,7 @@ def sample_metrics(
         "rms": rms_error(scene, snapshot),
         "linf": None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity,
         **({} if errors_alone else {**scene.diagnostics(snapshot, series), **load_scatters(scene, snapshot)}),
+        **({} if errors_alone or record is None else steadiness(scene, snapshot.t, record).numbers),
     }
     numbers = {}
     for key, value in diagnostics.items():

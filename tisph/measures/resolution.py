@@ -1,41 +1,11 @@
-"""Criteria of resolved and of steady flow.
-
-Resolved: layers, radii and gaps in particle spacings; the divergence. Steady: at any time of a run by the kinetic
-energy over the last times (errors of a cavity's samples wait for it), or at the end of a run by the numbers that its
-scene follows, which scatter less than means over particles.
-"""
+"""Criteria of resolved flow: layers, radii and gaps in particle spacings; the divergence; scatter."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from tisph.measures.flow import FlowInBox
 from tisph.snapshot import Snapshot
-
-CHANGE = 1e-3
-"""Largest change of a steady number, over its size."""
-
-LAST = 0.1
-"""Part of the run at its end in which a steady number is constant."""
-
-SPAN = 5.0
-"""Length of the time in which the energy must be steady, over the scene's time step of steadiness."""
-
-STEADY = 3e-4
-"""Relative change of the kinetic energy in one time step of steadiness, below which a flow is steady."""
-
-SCATTER = 6.0
-"""Standard errors of the slope, for independent values, up to which it is scatter: twice three, since successive values
-are correlated. Means over particles scatter by 2e-3 in a cavity of 25 x 25, and slopes over ``SPAN`` by 2.5e-4: without
-this term every fourth time would count as unsteady."""
-
-
-LEAST_TURNS = 8
-"""Least number of times at which scatter changes its sign beside a parabola. A bend, as after a start, does so some
-three to five times: its size is no scatter."""
-
 
 CUBIC_NEIGHBOURS = -2, -1, 1, 2
 """Times, from one of them, through whose values a cubic goes."""
@@ -56,54 +26,6 @@ def scatter_in_time(times: np.ndarray, values: np.ndarray) -> np.ndarray:
     beside = values[middles] - np.einsum("ms,ms...->m...", weights, values[around])
     variance = 1.0 + np.square(weights).sum(axis=1)
     return np.sqrt(np.tensordot(1.0 / variance, beside**2, 1) / len(middles))
-
-
-def steady_since(times: np.ndarray, values: np.ndarray, sizes: Sequence[float]) -> float | None:
-    """Return the first of ``times`` (n,) from which ``values`` (n, numbers) equal the last ones; None if it is late.
-
-    Changes are relative to ``sizes`` (numbers,). Late is within the last tenth of the times.
-    """
-    if not len(times):
-        return None
-    off = ~(np.abs(values - values[-1]) <= CHANGE * np.asarray(sizes)).all(axis=1)
-    first = np.flatnonzero(off)[-1] + 1 if off.any() else 0
-    quiet = first < len(times) and times[first] <= times[-1] - LAST * (times[-1] - times[0])
-    return float(times[first]) if quiet else None
-
-
-def steadiness(
-    scene: FlowInBox, t: float, series: Sequence[Any], column: int = 0, words: str = "kinetic energy"
-) -> dict[str, Any]:
-    """Return ``energy_change``, ``steady`` and ``steady_reason`` (None for steady flow) at time ``t``, by name.
-
-    The first is the relative change of the kinetic energy in a time step: the slope of a straight line through its
-    values in the last ``SPAN`` steps, without the start itself, at which walls may jump. The step is the convective
-    time of the reference length, or a fifth of its viscous time if that is shorter, but at least the relaxation time of
-    a polymer. ``series`` is the argument of ``Scene.diagnostics``. For another ``column`` the last of the ``words``
-    names the change, such as ``torque_change``.
-    """
-    key = f"{words.split()[-1]}_change"
-    step = min(scene.reference_length / scene.reference_velocity, 0.2 * scene.viscous_time)
-    step = max(step, scene.polymer.relaxation_time) if scene.polymer else step
-    times, series_values = series[2] if len(series) > 2 else (np.empty(0), np.empty((0, 1)))
-    if t < scene.start_time + SPAN * step:
-        return _unsteady(key, f"the flow has run for less than {SPAN * step:.3g}")
-    recent = (times >= t - SPAN * step) & (times <= t) & (times > scene.start_time)
-    if np.count_nonzero(recent) < 3:
-        return _unsteady(key, "the history has too few times")
-    when, values = times[recent] / step, series_values[recent, column]
-    mean = np.mean(values)
-    change = float(abs(np.polyfit(when, values, 1)[0] / mean))
-    beside = values - np.polyval(np.polyfit(when, values, 2), when)
-    turns = np.count_nonzero(np.diff(np.sign(beside)))
-    scatter = np.std(beside) / abs(mean) if turns >= LEAST_TURNS else 0.0
-    if not change <= max(STEADY, SCATTER * scatter / (np.std(when) * np.sqrt(len(when)))):
-        return _unsteady(key, f"the {words} changes by {change:.1e} in a time of {step:.3g}", change)
-    return {key: change, "steady": True, "steady_reason": None}
-
-
-def _unsteady(key: str, reason: str, change: float | None = None) -> dict[str, Any]:
-    return {key: change, "steady": False, "steady_reason": reason}
 
 
 LEAST_DEPTH = 2.0

@@ -14,6 +14,7 @@ import numpy as np
 from tisph.folder import hdf5_file, readable, replaced, written
 from tisph.geometry.body import Body
 from tisph.measures.resolution import resolution
+from tisph.measures.steadiness import Followed, with_followed
 from tisph.observers.protocol import LastStep, StateObserver, StepEnds, even_times
 from tisph.observers.samples import Description
 from tisph.scenes._scene import Scene
@@ -77,9 +78,17 @@ class History(StateObserver):
         """Append a line of the ``values`` (numbers,) at time ``t``, with bodies where they are in ``scene``."""
         self._append(self._line(t, values, resolution(scene, t)[0]).encode())
 
-    def reading(self, snapshot: Snapshot) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
-        """Return places and followed numbers of ``snapshot``, arrays (numbers,), and times and numbers so far."""
-        return self.time_series.places, self.time_series.measure(snapshot), read_history(self.path)
+    def reading(self, snapshot: Snapshot) -> tuple[Any, ...]:
+        """Return places and followed numbers of ``snapshot``, arrays (numbers,), and times and numbers so far.
+
+        A last item has times and numbers with their sizes, where these may be steady.
+        """
+        series = self.time_series
+        return with_followed((series.places, series.measure(snapshot), read_history(self.path)), series.judged_sizes)
+
+    def followed(self, times: np.ndarray, values: np.ndarray) -> Followed:
+        """Return numbers so far with their sizes."""
+        return Followed(times, values, self.time_series.judged_sizes)
 
     def close(self) -> None:
         """Add the references."""

@@ -28,7 +28,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.outline import SmoothOutline
 from tisph.geometry.polygon import Polygon
-from tisph.measures.resolution import steadiness
+from tisph.measures.steadiness import Followed, steadiness
 from tisph.report import style
 from tisph.report.encoder import Encoder
 from tisph.report.field import Dye, FluidPainter
@@ -341,7 +341,11 @@ class FrameRenderer:
         """Return whether the reference of the profile is one of time ``t``: a steady one is not before the flow is."""
         if not self.quantity.profile.steady:
             return True
-        return steadiness(self.scene, t, (None, None, self._time_panel.history(t)))["steady"]
+        sizes = self.scene.time_series().judged_sizes
+        record = Followed(
+            *self._time_panel.history(t), {name: sizes[name] for name in self._time_panel.series.columns[:NUMBERS]}
+        )
+        return steadiness(self.scene, t, record).steady
 
 
 def _overlays(scene: Scene, name: str) -> list:

@@ -32,9 +32,9 @@ from tisph.exact.uniform_shear import REMEMBERED, UniformShear
 from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.flow import FlowInBox
+from tisph.measures.steadiness import CHANGE, LAST
 from tisph.rheometry.viscometers import (
     SHOWN,
-    STEADY,
     VISCOMETERS,
     Axes,
     Reading,
@@ -428,7 +428,7 @@ def steady_shear(readings: Sequence[Reading], law: UniformShear) -> Reading:
     lines += [" ".join(f"{value:17.6g}" for value in row) for row in zip(*columns.values(), strict=True)]
     for each in ordered:
         _, _, t, growth, _ = each.curves[0]
-        if not abs(np.interp(0.9 * t[-1], t, growth) / growth[-1] - 1.0) < STEADY:
+        if not abs(np.interp((1.0 - LAST) * t[-1], t, growth) / growth[-1] - 1.0) < CHANGE:
             lines.append(f"  unsteady at the rate {each.numbers['shear_rate']:.6g}: its run is too short")
     return Reading("steady shear", lines, {}, curves)
 

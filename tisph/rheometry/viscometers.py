@@ -28,6 +28,7 @@ from tisph.errors import ConfigError
 from tisph.exact.taylor_vortices import coefficients
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import FreeMotion
+from tisph.measures.steadiness import Followed, steadiness
 from tisph.scenes._axisymmetric import AxisymmetricScene
 from tisph.scenes._cell import Cell
 from tisph.scenes._scene import Scene
@@ -105,9 +106,6 @@ def at_rows(t: np.ndarray, columns: Table, chosen: np.ndarray) -> list[str]:
 
 VISCOMETERS = ("taylor_couette", "pipe", "sphere_in_tube")
 """Scenes that are viscometers."""
-
-STEADY = 1e-3
-"""Largest change of a steady reading over the last tenth of the time."""
 
 NEAR = 0.1
 """Largest difference of drawn viscosities from the viscosity at the end, over the latter."""
@@ -205,12 +203,12 @@ def _reading(
 
     The curve contains only values near the last one: during the start-up they may be twenty times as large.
     """
-    late = np.interp(0.9 * t[-1], t, viscosity)
     end, given = float(viscosity[-1]), scene.dynamic_viscosity
     words = f" (of the config: {given:.6g}, off by {end / given - 1.0:+.2e})" if scene.rheology is None else ""
     lines = [*lines, f"viscosity {end:.6g}{words}"]
-    if not abs(late / end - 1.0) < STEADY:
-        lines.append(f"unsteady: a tenth of the time earlier it was {late:.6g}")
+    judged = steadiness(scene, float(t[-1]), Followed(t, viscosity[:, None], {"viscosity": abs(end)}))
+    if not judged.steady:
+        lines.append(f"unsteady: {judged.reason}")
     axis = Axes("time", "viscosity", ("time", "viscosity"))
     near = np.abs(viscosity / end - 1.0) < NEAR
     curves: list[tuple[Any, ...]] = [(axis, "run", t[near], viscosity[near], ".")]

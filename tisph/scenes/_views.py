@@ -194,7 +194,8 @@ class TimeSeries:
     axis, ``scale`` is the magnitude of the numbers. If the numbers are of different kinds, ``sizes`` are the magnitude
     of each, and ``panels`` the pair (name, unit) of the axes of each; numbers with the same pair share axes, and a
     number with None is not drawn. ``levels``: steady value of each number, NaN if unknown; ``level_name``: their name.
-    ``reference``: name of ``exact`` in pictures where it is that of another flow.
+    ``reference``: name of ``exact`` in pictures where it is that of another flow. ``may_be_steady``: whether numbers
+    without ``sizes`` are judged (``measures/steadiness.py``), as numbers with them are.
     """
 
     content: str
@@ -214,6 +215,13 @@ class TimeSeries:
     drifting: Sequence[str] = ()
     level_name: str = "exact, when steady"
     reference: str = ""
+    may_be_steady: bool = False
+
+    @property
+    def judged_sizes(self) -> dict[str, float]:
+        """Size of each number by its column, infinite where it goes on changing in steady flow; empty if not judged."""
+        pairs = zip(self.columns, self.sizes or len(self.columns) * [self.scale] * self.may_be_steady, strict=False)
+        return {name: math.inf if name in self.drifting else size for name, size in pairs}
 
     def only(self, kinds: str | tuple[str, ...], name: str, unit: str) -> "TimeSeries":
         """Return the series of the numbers whose columns begin with one of ``kinds``."""

@@ -8,7 +8,7 @@ flow: see ``tisph/exact/cavity.py``.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
 
@@ -26,7 +26,7 @@ from tisph.geometry.body import Body, SlidingWall
 from tisph.geometry.line import Line
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.flow import Size
-from tisph.measures.resolution import steadiness
+from tisph.measures.steadiness import followed, steadiness
 from tisph.scenes._initial import RestInitial
 from tisph.scenes._scene import BodyScene, Reference
 from tisph.scenes._views import (
@@ -221,15 +221,13 @@ class Cavity(BodyScene):
         ``u_extreme``: extreme of u on the vertical centre line, opposite to the lid's direction; ``v_min``, ``v_max``:
         extremes of v on the horizontal one; each also ``_exact``. All are over the speed of the lid.
         ``centre_line_error``: largest difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and
-        ``linf`` of the velocities. ``kinetic_energy`` per mass; ``energy_change``, ``steady`` and ``steady_reason``,
-        see ``measures/resolution.py``.
+        ``linf`` of the velocities. ``kinetic_energy`` per mass; ``planar_diagnostics``.
         """
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
-        state = steadiness(self, snapshot.t, series)
         viscous_time = max(self.extent) ** 2 / self.kinematic_viscosity
         decayed = self._lid_reynolds <= SLOW and snapshot.t >= DECAYED * viscous_time
-        known = state["steady"] or decayed or not self.inertia
+        known = steadiness(self, snapshot.t, followed(series)).steady or decayed or not self.inertia
         exact = self.extremes() if known else {}  # found in a second
         references = {f"{name}_exact": exact.get(name) for name in numbers}
         errors = self._errors(snapshot) if known else {}
@@ -242,7 +240,6 @@ class Cavity(BodyScene):
             "centre_line_error": None,
             **errors,
             "kinetic_energy": kinetic_energy(snapshot),
-            **state,
             **others,
         }
 
@@ -298,7 +295,7 @@ class Cavity(BodyScene):
 
     def time_series(self) -> TimeSeries:
         """Return the kinetic energy."""
-        return energy_series(self)
+        return replace(energy_series(self), may_be_steady=True)
 
     def _velocity(self, field: str, along: str) -> Profile:
         flow, tables = self._exact, [table for table in self._tables if table.component == field]

@@ -18,7 +18,7 @@ from tisph.exact.eccentric_cylinders import EccentricCylinders
 from tisph.measures import resolution
 from tisph.measures.flow import Size
 from tisph.measures.metrics import relative_difference
-from tisph.measures.resolution import steadiness
+from tisph.measures.steadiness import followed, steadiness
 from tisph.scenes import annulus
 from tisph.scenes._scene import Reference, bodies_in
 from tisph.scenes._spacing import with_sources
@@ -127,17 +127,16 @@ class Scene(BetweenCylinders):
         return dict(zip("uv", before.velocity(x, y), strict=True))
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
-        """Return ``LOADS``, each also ``_exact``, errors of velocity and pressure, and whether the flow is steady.
+        """Return ``LOADS``, each also ``_exact``, and errors of velocity and pressure.
 
-        Errors and exact values are None unless the flow is without inertia, or is steady (``measures/resolution.py``)
+        Errors and exact values are None unless the flow is without inertia, or is steady (``measures/steadiness.py``)
         and slow (``CREEPING``).
         ``l2_pressure``: sqrt(sum (p-p_exact)^2 / sum p_exact^2), the mean of p - p_exact being subtracted. Further
         ``kinetic_energy`` per mass, and ``planar_diagnostics``.
         """
-        # the torque decides: a mean over the particles scatters as they move on
-        state = steadiness(self, snapshot.t, series, 1, "inner torque")
+        steady = steadiness(self, snapshot.t, followed(series)).steady
         errors: dict[str, Any] = dict.fromkeys(("l2_pressure", *EXACT_LOADS))
-        if self.reference.applies and (state["steady"] or not self.inertia):
+        if self.reference.applies and (steady or not self.inertia):
             flow = self.stokes(self.inner.velocity(snapshot.t), self.outer.velocity(snapshot.t))
             pressure = flow.pressure(snapshot.x, snapshot.y, dynamic_viscosity=self.dynamic_viscosity)
             shifted = snapshot.pressure - np.mean(snapshot.weight * (snapshot.pressure - pressure))
@@ -150,7 +149,6 @@ class Scene(BetweenCylinders):
             **dict(zip(LOADS, _loads(snapshot), strict=True)),
             **errors,
             "kinetic_energy": kinetic_energy(snapshot),
-            **state,
             **planar_diagnostics(self, snapshot)[1],
         }
 

@@ -30,7 +30,7 @@ from tisph.config.sections import Video
 from tisph.errors import ConfigError, DivergedError, TisphError
 from tisph.folder import Folder, claimed, extended, hdf5_file, replaced
 from tisph.measures.metrics import sample_metrics
-from tisph.measures.resolution import steady_since
+from tisph.measures.steadiness import steady_since
 from tisph.observers.history import History, Trajectories, read_history
 from tisph.observers.protocol import Checkpoints, Observer, even_times
 from tisph.observers.samples import Frames, Samples, write_snapshot
@@ -212,7 +212,7 @@ def summarise(recording: Recording) -> dict[str, Any]:
             **({"smallest_spacing": scene.wanted_spacing.smallest} if scene.wanted_spacing.varies else {}),
             "particles_fluid": scene.particles,
             **scheme.numbers(),
-            **_steady(history),
+            **_steady(scene, history),
             "dt_min": scheme.shortest if scheme.steps else None,
             "dt_max": scheme.longest if scheme.steps else None,
         },
@@ -222,14 +222,11 @@ def summarise(recording: Recording) -> dict[str, Any]:
     }
 
 
-def _steady(history: History) -> dict[str, float | None]:
+def _steady(scene: Scene, history: History) -> dict[str, float | None]:
     """Return ``steady_since`` of the numbers that the scene follows; empty for scenes that never become steady."""
-    series = history.time_series
-    if not series.sizes:
+    if not history.time_series.judged_sizes:
         return {}
-    drifting = set(series.drifting)
-    sizes = [math.inf if name in drifting else size for name, size in zip(series.columns, series.sizes, strict=True)]
-    return {"steady_since": steady_since(*read_history(history.path), sizes)}
+    return {"steady_since": steady_since(scene, history.followed(*read_history(history.path)))}
 
 
 def cost(simulation: Any) -> dict[str, float | None]:

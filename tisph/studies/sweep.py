@@ -46,6 +46,7 @@ from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import hdf5_file, replaced
 from tisph.measures.metrics import fitted_order, sample_metrics
+from tisph.measures.steadiness import with_followed
 from tisph.report import style
 from tisph.results import open_run
 from tisph.rheometry import rheometers
@@ -161,7 +162,8 @@ def sample_names(config: Config) -> set[str]:
     start = start_snapshot(scene, start_values(scene.in_flow_frame(), config.initial), "f64")
     series = scene.time_series(**config.time_series)
     values = series.measure(start)
-    return set(sample_metrics(scene, start, (series.places, values, (np.array([start.t]), values[None]))))
+    record = np.array([start.t]), values[None]
+    return set(sample_metrics(scene, start, with_followed((series.places, values, record), series.judged_sizes)))
 
 
 def _rows(vary: Any, path: Path) -> tuple[tuple[str, ...], list[tuple]]:

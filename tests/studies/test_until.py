@@ -185,20 +185,6 @@ def test_the_next_run_may_cost_too_much():
     assert found["value"] == 1.0 + made.points[-1].spacing ** 2
 
 
-def test_the_error_of_a_field_without_exact_solution_is_extrapolated(monkeypatch):
-    def norms(self, name, points):
-        errors = [100 * each.spacing**3 for each in points]
-        return [errors[0] - errors[1], errors[1] - errors[2], errors[0] - errors[2]]
-
-    monkeypatch.setattr(Numbers, "norms", norms)
-    made = Chain(Numbers(lambda h: 1.0), [goal("l2", 2e-2)], say=lambda text: None)
-    made.run()
-    found = made.entries()["l2"]
-    assert found["reached"]
-    assert found["value"] == pytest.approx(until.SAFETY * 100 * made.points[-1].spacing ** 3, rel=1e-3)
-    assert found["order"] == pytest.approx(3.0, rel=1e-3)
-
-
 def test_kept_runs_cost_nothing():
     made, _, _ = chain(lambda h: 1.0 + h**2, 1e-3, at_most=0.0, kept=set(range(1000)))
     assert not made.stopped

@@ -38,6 +38,7 @@ COMMANDS = {
     "compare": (["compare", f"runs/{NAME}/samples.h5", "--config", f"{NAME}.yaml", "--out", f"compare-{NAME}"], 0),
     "sweep": (["sweep", f"{NAME}.yaml"], 2),
     "rheometry": (["rheometry", f"runs/{NAME}"], 2),
+    "references": (["references", NAME], 2),
 }
 """Arguments of each command that it names in what it prints, and its status."""
 

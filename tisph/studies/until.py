@@ -485,8 +485,8 @@ class Runs:
                 else f"is no number of a sample{nearest(name, known)}"
             )
             raise ConfigError(f"--until {name}: {text}; there are {', '.join(known)}")
-        change = next((each for key, each in sample.items() if key.endswith("_change") and each is not None), 0.0)
-        return value, _scatter(name, sample), 0.0 if sample.get("steady", True) else abs(change * value)
+        change = 0.0 if sample.get("steady", True) else sample.get("steady_change") or 0.0
+        return value, _scatter(name, sample), abs(change * value)
 
     def time_errors(self) -> dict[str, float]:
         """Return name -> difference of the coarsest run from the same with shorter steps, as an error."""

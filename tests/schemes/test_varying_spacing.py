@@ -284,9 +284,9 @@ def test_a_slender_ellipse_along_the_flow_turns_slowly(half_width, angular_veloc
 
 
 def test_slow_flow_of_a_free_body_does_not_depend_on_the_viscosity():
-    """Without inertia velocities are the same for any viscosity, and steps are: none is refused for what loads differ.
+    """Without inertia velocities are the same for any viscosity, and so are the steps.
 
-    Loads of a solution that GMRES left with allowed errors refused half of the attempts, more at the viscosity 1.
+    Half of the attempts were refused at a viscosity of 1, for loads that the errors left by GMRES had changed.
     """
     found = []
     for viscosity in (1.0, 0.0625):

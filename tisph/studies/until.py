@@ -234,7 +234,7 @@ class Chain:
     doubts: dict[str, int] = field(default_factory=dict)
 
     def run(self) -> None:
-        """Make the runs; afterwards ``bars`` are those of the finest one."""
+        """Make the runs; afterwards ``entries`` tells of the finest one."""
         factor = self.source.coarsest
         while not self.stopped:
             expected = self.source.seconds(factor)

@@ -123,14 +123,14 @@ def _passing_time(scene: Scene, speed: float) -> float:
     turns = np.exp(2j * np.pi * np.arange(ANGLES) / ANGLES)
     for body in scene.bodies:
         outline = body.boundary_points(body.shape.length / PLACES).point
-        rates, away = [], outline - body.centre
+        rates, away, spacing = [], outline - body.centre, wanted.at(outline)
         for turn in turns if body.free else turns[:1]:
             places = body.centre + away @ np.array([[turn.real, turn.imag], [-turn.imag, turn.real]])
             feet = [wall.nearest(places) for wall in at]
             nearness = np.stack([1.0 / np.maximum(foot.distance, NEAREST * scene.spacing) for foot in feet])
             velocities = np.stack([wall.velocity(foot.point) for wall, foot in zip(at, feet, strict=True)])
             flow = np.einsum("wn,wnc->nc", nearness / nearness.sum(axis=0), velocities)
-            rates.append((np.hypot(*flow.T) / wanted.at(outline)).max())
+            rates.append((np.hypot(*flow.T) / spacing).max())
         fastest = max(fastest, float(np.mean(rates)))
     return 1.0 / fastest
 

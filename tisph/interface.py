@@ -145,6 +145,7 @@ def run(
     progress: bool = False,
     until: Mapping[str, float | str] | None = None,
     at_most: str | None = None,
+    vary: Mapping[str, float] | None = None,
     **overrides: Any,
 ) -> Results:
     """Run a config (YAML file, dict or ``Config``) into the folder ``out`` [runs/NAME] and return its results.
@@ -152,7 +153,8 @@ def run(
     ``overrides`` are values by dotted key: ``run("couette.yaml", **{"time.end": 1.0, "walls.top.velocity": 0.01})``.
     A folder that is not empty is refused without ``overwrite`` or ``resume`` (go on from the checkpoint there).
     ``until``, such as ``{"drag_coefficient": "0.1%"}``, makes finer and finer runs, in a time ``at_most`` such as
-    10min, and returns the finest one, with error bars in ``results.accuracy``. ``progress`` shows a bar; nothing else
+    10min, and returns the finest one, with error bars in ``results.accuracy``; ``vary``, such as
+    ``{"geometry.length": 1.25}``, lets them count what another length changes. ``progress`` shows a bar; nothing else
     is printed. The run has a process of its own: a Taichi program here is not touched. Raises a class of
     ``tisph.errors`` with the message of the command line; KeyboardInterrupt, after a checkpoint, by Ctrl-C.
     """
@@ -163,6 +165,7 @@ def run(
         flags = {"--overwrite": overwrite, "--resume": resume, "--no-video": not video}
         options += [flag for flag, wanted in flags.items() if wanted]
         options += [part for name, goal in (until or {}).items() for part in ("--until", f"{name}={goal}")]
+        options += [part for key, factor in (vary or {}).items() for part in ("--vary", f"{key}={factor}")]
         options += [] if at_most is None else ["--at-most", at_most]
         try:
             command(["run", *options, "--", path], show)

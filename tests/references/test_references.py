@@ -83,6 +83,7 @@ def test_a_wrong_number_in_the_table_fails_the_row_of_a_suite(planted):
     ("name", "message"),
     [
         ("dfg_2d1.drag_coefficient", "no reference flow 'dfg_2d1'; nearest: dfg_2d_1"),
+        ("dfg.drag_coefficient", "no reference flow 'dfg'; there are dfg_2d_1, dfg_2d_2, dfg_2d_3"),
         ("dfg_2d_1.drag", "dfg_2d_1 has no number 'drag'"),
         ("5,6", "'5,6': must be a number, or a reference such as"),
     ],
@@ -128,7 +129,7 @@ def test_the_command_fails_where_two_sources_disagree(planted):
 def test_an_unknown_flow_is_answered_with_the_nearest_name():
     shown = CliRunner().invoke(cli.app, ["references", "dfg_2d"])
     assert shown.exit_code == 2
-    assert "nearest: dfg_2d_" in shown.output
+    assert "there are dfg_2d_1, dfg_2d_2, dfg_2d_3" in shown.output
 
 
 def test_json_has_the_values_of_computed_numbers_and_verdicts():

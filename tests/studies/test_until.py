@@ -25,6 +25,7 @@ class Numbers:
     rounding: float = 1e-12
     change: float = 0.0
     scatter: float = 0.0
+    ends: dict = field(default_factory=dict)
     kept: set = field(default_factory=set)
     made: list = field(default_factory=list)
     spent: float = 0.0
@@ -41,6 +42,9 @@ class Numbers:
 
     def time_errors(self):
         return {"drag": self.change}
+
+    def end_errors(self):
+        return self.ends
 
     def seconds(self, factor):
         return 0.0 if self.across(factor) in self.kept else (self.across(factor) / 10) ** 3
@@ -74,8 +78,9 @@ def test_a_chain_stops_at_the_cheapest_run_and_skips_others():
     assert 387 <= made.source.made[-1] <= 440
     ratios = [finer / coarser for coarser, finer in zip(made.source.made[2:], made.source.made[3:], strict=False)]
     assert max(ratios) > 2.0
-    assert "by the scheme's order the goal needs" in said[1]
-    assert "by the observed order the goal needs" in said[2]
+    assert said[0] == "first run: about 1 s"
+    assert "by the scheme's order the goal needs" in said[2]
+    assert "by the observed order the goal needs" in said[3]
 
 
 def test_only_three_runs_where_they_do():
@@ -236,6 +241,10 @@ def case(tmp_path, monkeypatch):
         (["--until", "reason=1%"], "no number of a sample"),
         (["--until", "force_outer=1%", "--at-most", "soon"], "such as 90s, 10min or 2h"),
         (["--at-most", "10min"], "--at-most: is for --until"),
+        (["--vary", "geometry.length=2"], "--vary: is for --until"),
+        (["--until", "force_outer=1%", "--vary", "geometry.lenth=2"], "must be a length of the geometry: geometry."),
+        (["--until", "force_outer=1%", "--vary", "geometry.length=1"], "must be a factor, such as 1.25"),
+        (["--until", "force_outer=1%", "--vary", "geometry.length=0.01"], "--vary: "),
         (["--until", "force_outer=1%", "--resume"], "--resume: is not for --until"),
         (["--set", "accuracy={force_outer: nan}"], "accuracy"),
     ],
@@ -260,7 +269,7 @@ def test_a_chain_goes_on_after_it_was_killed(case, monkeypatch):
         patch.setattr(until.Store, "outcome", killed)
         CliRunner().invoke(app, ["run", str(case), "--until", "force_outer=1%", "--out", "out"])
     kept = (case.parent / "out/chain" / made[0] / "summary.json").stat().st_mtime_ns
-    results = tisph_run(case, "out", until={"force_outer": "1%"})
+    results = tisph_run(case, "out", until={"force_outer": "1%"}, overwrite=True)  # as in a sweep
     assert (case.parent / "out/chain" / made[0] / "summary.json").stat().st_mtime_ns == kept
     found = results.accuracy["force_outer"]
     assert found["reached"]
@@ -277,8 +286,11 @@ def test_a_chain_goes_on_after_it_was_killed(case, monkeypatch):
     )
     assert found.exit_code == 1
     assert "a goal is not reached: force_outer: the next run costs" in found.stderr
-    unreached = tisph_run(case, "out", until={"force_outer": "1e-9"}, at_most="0.1s")
-    assert not unreached.accuracy["force_outer"]["reached"]
+    # the force on a pipe that is longer by a half is larger by a half, of which the bar knows
+    longer = tisph_run(case, "out", until={"force_outer": "1%"}, at_most="0.1s", vary={"geometry.length": 1.5})
+    unreached = longer.accuracy["force_outer"]
+    assert not unreached["reached"]
+    assert unreached["parts"]["ends"] == pytest.approx(0.5 * unreached["value"], rel=1e-3)
 
 
 def test_a_folder_with_other_results_is_left_alone(case):
@@ -286,3 +298,9 @@ def test_a_folder_with_other_results_is_left_alone(case):
     (case.parent / "out/summary.json").write_text("{}")
     with pytest.raises(ConfigError, match="is not empty"):
         tisph_run(case, "out", until={"force_outer": "1%"})
+
+
+def test_ends_have_a_part_of_their_own():
+    _, found, _ = chain(lambda h: 1.0 + h**3, 0.1, ends={"drag": 2e-3})
+    assert found["parts"]["ends"] == 2e-3
+    assert found["bar"] == pytest.approx(math.hypot(*found["parts"].values()))

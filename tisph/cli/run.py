@@ -137,6 +137,10 @@ def run(
     at_most: Annotated[
         str | None, typer.Option("--at-most", metavar="TIME", help="Longest time of --until, such as 10min.")
     ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=FACTOR", help="Let bars count another length, geometry.length=1.25."),
+    ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print the samples and the cost of summary.json, and nothing else.")
@@ -169,10 +173,11 @@ def run(
         if estimate_error or resume:
             option = "--estimate-error" if estimate_error else "--resume"
             raise ConfigError(f"{option}: is not for --until and accuracy, whose runs go on by the same command")
-        _run_until(loaded, folder, until, at_most, overwrite, quiet, as_json)
+        _run_until(loaded, folder, until, at_most, vary, overwrite, quiet, as_json)
         return
-    if at_most:
-        raise ConfigError("--at-most: is for --until, or a config with the key accuracy")
+    if at_most or vary:
+        option = "--at-most" if at_most else "--vary"
+        raise ConfigError(f"{option}: is for --until, or a config with the key accuracy")
     coarser = None
     if estimate_error:
         from tisph.studies.error_estimate import Coarser
@@ -211,6 +216,7 @@ def _run_until(
     folder: Path,
     asked: Sequence[str] | None,
     at_most: str | None,
+    vary: Sequence[str] | None,
     overwrite: bool,
     quiet: bool,
     as_json: bool,
@@ -218,11 +224,11 @@ def _run_until(
     """Run the chain of ``--until``; UnreachedError where a goal is not reached."""
     from tisph.studies import until
 
-    wanted = dict(text.rpartition("=")[::2] for text in asked or ())
+    wanted, factors = (dict(text.rpartition("=")[::2] for text in given or ()) for given in (asked, vary))
     with ExitStack() as stack:
         if quiet:
             stack.enter_context(redirect_stderr(stack.enter_context(open(os.devnull, "w", encoding="utf-8"))))
-        found = until.run(config, folder, wanted, at_most, overwrite)
+        found = until.run(config, folder, wanted, at_most, overwrite, factors)
     if as_json:
         print(json.dumps(found, indent=2))
     elif not quiet:

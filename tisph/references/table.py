@@ -98,7 +98,9 @@ def flows() -> dict[str, Any]:
 def flow_named(name: str) -> dict[str, Any]:
     """Return the data of a flow; ValueError with the nearest name where there is none."""
     if name not in flows():
-        raise ValueError(f"there is no reference flow {name!r}{nearest(name, flows())}; tisph references lists them")
+        near = [flow for flow in flows() if name in flow]
+        text = f"; there are {', '.join(near)}" if near else nearest(name, flows())
+        raise ValueError(f"there is no reference flow {name!r}{text}; tisph references lists them")
     return flows()[name]
 
 

@@ -6,11 +6,12 @@ folder of the results, and read from there by the same command after an interrup
 
 Three runs of spacings h_1 > h_2 > h_3 with numbers n_i show an order p: n_i = n + C h_i^p. The bar of the finest run is
 
-    bar^2 = (SAFETY C h_3^q)^2 + time^2 + scatter^2 + steadiness^2,    q = p, at least 1.5 and at most 4.    (1)
+    bar^2 = (SAFETY C h_3^q)^2 + time^2 + scatter^2 + steadiness^2 + ends^2,    q = p, from 1.5 to 4.    (1)
 
 * time: the change of the number by shorter steps in the coarsest run, scaled with h^3 at most;
 * scatter: twice the standard error of the number, where it scatters from step to step or from time to time;
-* steadiness: the change of a number in a flow that is not steady yet, in the time by which its steadiness is judged.
+* steadiness: the change of a number in a flow that is not steady yet, in the time by which its steadiness is judged;
+* ends: the change of the number in the coarsest run, where lengths of the geometry are other ones (``--vary``).
 
 Where p is outside 1.5 to 6, or the numbers go up and down, the first term of (1) is the least that is safe. A number
 with p < 1.5 has the bar of p, which is 0.1 at least; this is also that of numbers that do not converge. Numbers that go
@@ -139,6 +140,9 @@ class Source(Protocol):
     def time_errors(self) -> dict[str, float]:
         """Return name -> change of the number of the coarsest run with shorter steps."""
 
+    def end_errors(self) -> dict[str, float]:
+        """Return name -> change of the number of the coarsest run in another geometry; empty without one."""
+
     def seconds(self, factor: float) -> float:
         """Return the expected cost of a run; 0 where it is kept."""
 
@@ -229,6 +233,7 @@ class Chain:
     say: Callable[[str], None] = print
     points: list[Point] = field(default_factory=list)
     in_time: dict[str, float] = field(default_factory=dict)
+    at_ends: dict[str, float] = field(default_factory=dict)
     refused: dict[str, str] = field(default_factory=dict)
     stopped: str = ""
     doubts: dict[str, int] = field(default_factory=dict)
@@ -236,24 +241,24 @@ class Chain:
     def run(self) -> None:
         """Make the runs; afterwards ``entries`` tells of the finest one."""
         factor = self.source.coarsest
-        while not self.stopped:
+        while len(self.points) < MOST_RUNS:
+            self.say(self._outlook(factor))
             expected = self.source.seconds(factor)
-            if self.source.spent + expected > self.at_most:
+            if expected and self.source.spent + expected > self.at_most:
                 self.stopped = f"the next run costs about {_time(expected)}, with the runs so far more than --at-most"
                 return
             try:
                 self.points.append(self.source.run(factor))
                 if len(self.points) == 1:
                     self.in_time = self.source.time_errors()
+                    self.at_ends = self.source.end_errors()
             except TisphError as error:
                 self.stopped = str(error)
                 return
             if self._judged():
                 return
             factor *= self._ratio()
-            self.say(self._outlook(factor))
-            if len(self.points) == MOST_RUNS:
-                self.stopped = f"no bar inside the goal in {MOST_RUNS} runs"
+        self.stopped = f"no bar inside the goal in {MOST_RUNS} runs"
 
     def bar(self, goal: Goal) -> Bar:
         """Return the bar of a number of the finest run, from the last three."""
@@ -284,6 +289,7 @@ class Chain:
             "time": self.in_time.get(name, 0.0) * (end.spacing / self.points[0].spacing) ** power,
             "scatter": STANDARD_ERRORS * end.scatter.get(name, 0.0),
             "steadiness": end.steadiness.get(name, 0.0),
+            **({"ends": self.at_ends[name]} if name in self.at_ends else {}),
         }
         return Bar(math.hypot(*parts.values()) if value is None else value, parts, order, doubt)
 
@@ -340,13 +346,13 @@ class Chain:
 
     def _outlook(self, factor: float) -> str:
         """Return a line about the next run, and about the run that will do."""
-        cost = f"next run: about {_time(self.source.seconds(factor))}"
+        cost = f"{'next' if self.points else 'first'} run: {_cost(self.source.seconds(factor))}"
         if len(self.points) < 2:
             return cost
         end, needed = self.points[-1], min(1.0, self._needed())
         kind = "the scheme's order" if len(self.points) == 2 else "the observed order"
         enough = self.source.coarsest * end.spacing / self.points[0].spacing * needed
-        every = f"{end.across / needed:.0f} particles across, about {_time(self.source.seconds(enough))}"
+        every = f"{end.across / needed:.0f} particles across, {_cost(self.source.seconds(enough))}"
         return f"{cost}; by {kind} the goal needs {every}"
 
     def entries(self) -> dict[str, Any]:
@@ -398,11 +404,18 @@ def _time(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
-class Runs:
-    """The ``Source`` of real runs of a ``config``, kept in the folder ``root``."""
+def _cost(seconds: float) -> str:
+    return f"about {_time(seconds)}" if seconds else "made before"
 
-    def __init__(self, config: Config, root: Path, wanted: Sequence[Goal]):
-        self.config, self.wanted = config, wanted
+
+class Runs:
+    """The ``Source`` of real runs of a ``config``, kept in the folder ``root``.
+
+    ``moved``: values by key of the geometry whose ends tell the error of the distance of ends.
+    """
+
+    def __init__(self, config: Config, root: Path, wanted: Sequence[Goal], moved: Mapping[str, float]):
+        self.config, self.wanted, self.moved = config, wanted, moved
         self.rounding = ROUNDING[config.discretisation.precision]
         root.mkdir(parents=True, exist_ok=True)
         self.store = Store(root)
@@ -498,13 +511,22 @@ class Runs:
             ratio = (value / coarse.time.tolerance) ** 0.25
         else:
             key, value, ratio = "scheme.largest_courant", 0.5 * coarse.scheme.largest_courant, 0.5
-        result = self._result(f"{_name(coarse)}_shorter_steps", loaded(coarse, {key: value}))
+        changes = self._changes("shorter_steps", coarse, {key: value})
+        return {name: change / (1.0 - ratio**TIME_ORDER) for name, change in changes.items()}
+
+    def end_errors(self) -> dict[str, float]:
+        """Return name -> difference of the coarsest run from the same in the geometry ``moved``."""
+        return self._changes("other_ends", self._config(self.coarsest), self.moved) if self.moved else {}
+
+    def _changes(self, name: str, coarse: Config, values: Mapping[str, float]) -> dict[str, float]:
+        """Return name of a goal -> absolute change of the number of the ``coarse`` run by other ``values`` of keys."""
         plain = self.results[_name(coarse)]
+        other = self._result(f"{_name(coarse)}_{name}", loaded(coarse, values))
         found = {}
         for goal in self.wanted:
-            one, other = (self._reading(goal.name, each)[0] for each in (plain, result))
-            if one is not None and other is not None:
-                found[goal.name] = abs(one - other) / (1.0 - ratio**TIME_ORDER)
+            before, after = (self._reading(goal.name, each)[0] for each in (plain, other))
+            if before is not None and after is not None:
+                found[goal.name] = abs(before - after)
         return found
 
     def seconds(self, factor: float) -> float:
@@ -577,7 +599,31 @@ def _require_names(config: Config, wanted: Sequence[Goal]) -> None:
             raise ConfigError(f"--until {each.name}: {text}; there are {', '.join(sorted(known))}")
 
 
-HEADER = "number", "value", "bar", "goal", "reached", "spacing", "time", "scatter", "steadiness"
+def _moved(config: Config, vary: Mapping[str, Any]) -> dict[str, float]:
+    """Return the values of keys of the geometry, ``vary`` being key -> factor; ConfigError for other keys and factors."""
+    values = {}
+    for key, given in vary.items():
+        section, _, name = key.partition(".")
+        geometry = config.resolved()["geometry"]
+        length = geometry.get(name)
+        if section != "geometry" or type(length) not in (int, float):
+            allowed = ", ".join(f"geometry.{each}" for each, value in geometry.items() if type(value) in (int, float))
+            raise ConfigError(f"--vary {key}: must be a length of the geometry: {allowed}")
+        try:
+            factor = float(given)
+        except ValueError:
+            factor = math.nan
+        if not 0.0 < factor < math.inf or factor == 1.0:
+            raise ConfigError(f"--vary {key}={given}: must be a factor, such as 1.25")
+        values[key] = factor * length
+    try:
+        loaded(config, values)
+    except ConfigError as error:
+        raise ConfigError(f"--vary: {error}") from None
+    return values
+
+
+HEADER = "number", "value", "bar", "goal", "reached", "spacing", "time", "scatter", "steadiness", "ends"
 
 
 def table(found: Mapping[str, Any]) -> str:
@@ -599,11 +645,13 @@ def run(
     asked: Mapping[str, Any] | None = None,
     at_most: str | None = None,
     overwrite: bool = False,
+    vary: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Run the chain of a ``config`` in ``folder``; return the contents of ``accuracy.json``.
 
-    ``asked``: name -> goal, in place of the config's ``accuracy``. The files of the finest run are copied into
-    ``folder``. Raises ConfigError for a bad goal, and where the folder has other results.
+    ``asked``: name -> goal, in place of the config's ``accuracy``. ``vary``: key of the geometry -> factor, for the part
+    ``ends`` of the bars. The files of the finest run are copied into ``folder``. Raises ConfigError for a bad goal or
+    factor, and where the folder has other results, without ``overwrite``.
     """
     try:
         wanted = goals(asked or config.accuracy or {})
@@ -615,10 +663,9 @@ def run(
     others = folder.is_dir() and not (folder / RUNS).is_dir() and any(folder.iterdir())
     if others and not overwrite:
         raise ConfigError(f"--out {folder}: the folder is not empty; choose another one, or add --overwrite")
+    moved = _moved(plain, vary or {})
     with claimed(folder, "another run is writing there"):
-        if overwrite:
-            shutil.rmtree(folder / RUNS, ignore_errors=True)
-        source = Runs(plain, folder / RUNS, wanted)
+        source = Runs(plain, folder / RUNS, wanted, moved)
         chain = Chain(source, wanted, limit, lambda text: print(text, file=sys.stderr, flush=True))
         chain.run()
         found = chain.entries()

@@ -600,7 +600,7 @@ def _require_names(config: Config, wanted: Sequence[Goal]) -> None:
 
 
 def _moved(config: Config, vary: Mapping[str, Any]) -> dict[str, float]:
-    """Return the values of keys of the geometry, ``vary`` being key -> factor; ConfigError for other keys and factors."""
+    """Return values by key of the geometry; ``vary`` is key -> factor. ConfigError for other keys and factors."""
     values = {}
     for key, given in vary.items():
         section, _, name = key.partition(".")
@@ -649,9 +649,9 @@ def run(
 ) -> dict[str, Any]:
     """Run the chain of a ``config`` in ``folder``; return the contents of ``accuracy.json``.
 
-    ``asked``: name -> goal, in place of the config's ``accuracy``. ``vary``: key of the geometry -> factor, for the part
-    ``ends`` of the bars. The files of the finest run are copied into ``folder``. Raises ConfigError for a bad goal or
-    factor, and where the folder has other results, without ``overwrite``.
+    ``asked``: name -> goal, in place of the config's ``accuracy``. ``vary``: key of the geometry -> factor, for the
+    part ``ends`` of the bars. The files of the finest run are copied into ``folder``. Raises ConfigError for a bad goal
+    or factor, and where the folder has other results, without ``overwrite``.
     """
     try:
         wanted = goals(asked or config.accuracy or {})

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from tisph.config.loader import loaded
+from tisph.references.table import number as table_number
 from tisph.studies import suites, until
 from tisph.studies.processes import read_result
 from tisph.text_table import format_table
@@ -70,12 +71,8 @@ def rows(folder: Path, names: Sequence[str] | None = None) -> Iterator[Row]:
         for goal in flow.get("goals", study["goals"]):
             found = until.run(loaded({"name": name, **config}, {}), root, {number: goal}, AT_MOST)
             chains[goal] = found[number]
-        truth = flow.get("truth")
-        yield from judged(name, flow, chains, truth if truth is not None else _exact(root, number), root)
-
-
-def _exact(root: Path, number: str) -> float:
-    return read_result(root).last[f"{number}_exact"]
+        truth = flow["truth"] if "truth" in flow else read_result(root).last[f"{number}_exact"]
+        yield from judged(name, flow, chains, table_number(truth) if isinstance(truth, str) else truth, root)
 
 
 def judged(name: str, flow: dict[str, Any], chains: dict[str, Any], truth: float, root: Path) -> Iterator[Row]:

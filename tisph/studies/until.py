@@ -628,15 +628,16 @@ HEADER = "number", "value", "bar", "goal", "reached", "spacing", "time", "scatte
 
 def table(found: Mapping[str, Any]) -> str:
     """Return the contents of ``accuracy.json`` as a table, with the reasons below it."""
+    header = HEADER if any("ends" in entry["parts"] for entry in found.values()) else HEADER[:-1]
     rows, reasons = [], []
     for name, entry in found.items():
         parts = {"spacing": entry["parts"].get("error"), **entry["parts"]}
-        cells = [entry["value"], entry["bar"], entry["goal"], *(parts.get(part) for part in HEADER[5:])]
+        cells = [entry["value"], entry["bar"], entry["goal"], *(parts.get(part) for part in header[5:])]
         texts = ["none" if each is None else f"{each:.{8 if k == 0 else 2}g}" for k, each in enumerate(cells)]
         rows.append((name, *texts[:3], "yes" if entry["reached"] else "no", *texts[3:]))
         if entry["reason"]:
             reasons.append(f"{name}: {'note: ' if entry['reached'] else 'not reached: '}{entry['reason']}")
-    return "\n".join([format_table(HEADER, rows), *reasons])
+    return "\n".join([format_table(header, rows), *reasons])
 
 
 def run(

@@ -304,3 +304,6 @@ def test_ends_have_a_part_of_their_own():
     _, found, _ = chain(lambda h: 1.0 + h**3, 0.1, ends={"drag": 2e-3})
     assert found["parts"]["ends"] == 2e-3
     assert found["bar"] == pytest.approx(math.hypot(*found["parts"].values()))
+    _, found, _ = chain(lambda h: 1.0 + h**3, 1e-3, ends={"drag": 2e-3})
+    assert found["reason"] == "the part ends alone is outside the goal, and finer runs do not change it"
+    assert len(found["runs"]) == 3

@@ -91,6 +91,9 @@ SHORTER = 0.1
 STANDARD_ERRORS = 2.0
 """Standard errors in the part of scatter: 95 of 100 values of a normal distribution are inside."""
 
+LASTING = "steadiness", "ends"
+"""Parts of a bar that finer runs do not change."""
+
 ROUNDING = {"f64": 1e-12, "f32": 1e-5}
 """Rounding error of a number over its size, by precision: sums over a thousand particles and a thousand steps."""
 
@@ -319,6 +322,9 @@ class Chain:
             elif self.doubts[goal.name] == 2:
                 remark = self.points[-1].remark
                 self.refused[goal.name] = f"{bar.doubt}{f'; the sample is not resolved: {remark}' if remark else ''}"
+            elif lasting := [part for part in LASTING if bar.parts.get(part, 0.0) > goal.size(bar.value)]:
+                why = [f"{part} alone is outside the goal, and finer runs do not change it" for part in lasting]
+                self.refused[goal.name] = f"the part {'; the part '.join(why)}"
             elif goal.relative and bar.size > abs(bar.value) and len(self.points) > 3:
                 self.refused[goal.name] = "it is zero within its bar: a percentage of it is no goal, give a number"
         return all(goal.name in self.refused or self.reached(goal) for goal in self.goals)

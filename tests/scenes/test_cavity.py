@@ -12,6 +12,7 @@ from tisph.exact.cavity import RegularCavity, centre_lines, extremes
 from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.measures.steadiness import Followed
+from tisph.scenes._views import kinetic_energy
 from tisph.scenes.cavity import Scene
 from tisph.schemes._forecast import forecast
 from tisph.simulation.state import start_snapshot, start_values
@@ -208,3 +209,19 @@ def test_check_says_how_steep_the_stress_of_a_polymer_becomes(case):
         assert len(warned) == (time == 0.5)
     assert found == [pytest.approx(log, rel=1e-2), 0.0]  # the first place is found to 1e-4
     assert Scene.from_config(case(lid)).steepness == 0.0
+
+
+def squeezed(places):
+    """Places from 0 to 1 whose distances vary by a fifth of themselves."""
+    return places + 0.1 / np.pi * np.sin(2.0 * np.pi * places)
+
+
+def test_kinetic_energy_does_not_depend_on_how_evenly_particles_lie(regular):
+    """The stream function is 16 x^2 (1 - x)^2 (y^3 - y^2); the mean over the particles is 2.7e-2 off."""
+    scene = replace(regular, width=1.0, height=1.0, velocity=1.0)
+    state = snapshot_of(scene)
+    x, y = squeezed(state.x), squeezed(state.y)
+    u = 16.0 * (x - x**2) ** 2 * (3.0 * y**2 - 2.0 * y)
+    v = -32.0 * (x - x**2) * (1.0 - 2.0 * x) * (y**3 - y**2)
+    exact = 0.5 * (256 / 630 * 2 / 15 + 1024 / 210 / 105)
+    assert kinetic_energy(scene, replace(state, x=x, y=y, u=u, v=v)) == pytest.approx(exact, rel=5e-5)  # 1.5e-5 off

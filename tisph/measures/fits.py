@@ -24,6 +24,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.legendre import legder, legval, legvander
 
 from tisph.geometry.region import nearest_image, wrapped
 from tisph.geometry.wanted_spacing import graded_boundary
@@ -268,6 +269,79 @@ def cell_mean(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
         values[within] = body.velocity(nodes[within], snapshot.t)
     values[in_fluid] = local_fits(tree, nodes[in_fluid], velocity, 2)[0][:, 0]
     return weights @ values
+
+
+CELL = 8
+"""Rows and columns of particles in a cell of ``fluid_mean``: three times as many particles as coefficients."""
+
+CELL_DEGREE = 5
+"""Degree of the polynomials in a cell. For a wave u of 64 particles, a jitter of a fifth of the spacing and a density
+that varies by a hundredth, the mean of u^2 is 5e-7 off, and the mean over the particles 4e-3; of 32 particles 2e-5."""
+
+
+def fluid_mean(
+    places: np.ndarray, values: np.ndarray, weight: Any, rows: np.ndarray, periodic: Sequence[bool]
+) -> float:
+    """Return the mean over a unit square of ``values`` (n,) at ``places`` (n, 2), however unevenly these lie.
+
+    ``rows``: particles along x and along y that an even arrangement has; ``weight`` of each particle. In each cell of
+    about ``CELL`` rows and columns a polynomial is fitted by least squares. It is summed over the places of the even
+    arrangement, so that even particles have their own mean; at walls, ends that are not ``periodic``, the terms of
+    Euler and Maclaurin make the sum an integral. NaN where any number is not finite.
+    """
+    if not _finite(places, values):
+        return np.nan
+    local, cells, sums = zip(*map(_along, places.T, rows, periodic), strict=True)
+    powers = np.array([(i, j) for i in range(CELL_DEGREE + 1) for j in range(CELL_DEGREE + 1 - i)])
+    index, total = cells[0] * len(sums[1]) + cells[1], len(sums[0]) * len(sums[1])
+    order, number = np.argsort(index, kind="stable"), np.bincount(index, minlength=total)
+    cell, row = index[order], np.arange(len(index)) - np.repeat(np.cumsum(number) - number, number)
+    basis, value = np.zeros((total, number.max(), len(powers))), np.zeros((total, number.max(), 1))
+    along, across = (legvander(coordinate[order], CELL_DEGREE) for coordinate in local)
+    root = np.sqrt(weight * np.ones(len(values)))[order, None]
+    basis[cell, row] = root * along[:, powers[:, 0]] * across[:, powers[:, 1]]
+    value[cell, row] = root * values[order, None]
+    equations, right = basis.transpose(0, 2, 1) @ basis, basis.transpose(0, 2, 1) @ value
+    if number.min() < 2 * len(powers):  # of a flow that went wrong, or of a few particles
+        coefficients = np.linalg.pinv(equations, rcond=UNDETERMINED, hermitian=True) @ right
+    else:
+        coefficients = np.linalg.solve(equations, right)
+    integrals = sums[0][:, None, powers[:, 0]] * sums[1][None, :, powers[:, 1]]
+    return float(np.sum(integrals.reshape(total, -1) * coefficients[..., 0]))
+
+
+def _along(place: np.ndarray, rows: float, periodic: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return coordinates from -1 to 1 in cells (n,), the cells (n,), and weights (cells, terms) of their polynomials.
+
+    ``place`` (n,): coordinates from 0 to 1.
+    """
+    rows = max(1, round(rows))
+    edges = np.round(np.linspace(0.0, rows, max(1, rows // CELL) + 1)).astype(int)
+    counts = np.diff(edges)
+    at = place % 1.0 if periodic else np.clip(place, 0.0, 1.0)
+    cell = np.repeat(np.arange(len(counts)), counts)[np.minimum((at * rows).astype(int), rows - 1)]
+    walls = np.zeros((len(counts), 2), dtype=bool)
+    walls[0, 0] = walls[-1, 1] = not periodic
+    sums = [
+        count / rows * _mean_of_terms(int(count), *ends) for count, ends in zip(counts, walls.tolist(), strict=True)
+    ]
+    return 2.0 * (at * rows - edges[cell]) / counts[cell] - 1.0, cell, np.stack(sums)
+
+
+END_TERMS = (1, 1 / 24), (3, -7 / 5760), (5, 31 / 967_680)
+"""Derivatives, and factors of their differences between the ends, in the formula of Euler and Maclaurin for a sum over
+the middles of intervals: the integral is the sum plus these, each times the power of the interval."""
+
+
+@lru_cache
+def _mean_of_terms(count: int, wall_before: bool, wall_behind: bool) -> np.ndarray:
+    """Return means (terms,) of the Legendre polynomials over ``count`` even places, with ``END_TERMS`` at walls."""
+    means = legvander((2.0 * np.arange(count) + 1.0) / count - 1.0, CELL_DEGREE).mean(axis=0)
+    for order, factor in END_TERMS:
+        for end, wall in ((-1.0, wall_before), (1.0, wall_behind)):
+            slopes = legval(end, legder(np.eye(CELL_DEGREE + 1), order))
+            means += wall * end * 0.5 * factor * (2.0 / count) ** (order + 1) * slopes
+    return means
 
 
 BAND = 8.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tisph.measures.fits import (
+    fluid_mean,
     interpolated,
     max_void_radius,
     min_distance,
@@ -425,9 +426,12 @@ def velocity_errors(scene: FlowInBox, snapshot: Snapshot, u: np.ndarray, v: np.n
     }
 
 
-def kinetic_energy(snapshot: Snapshot) -> float:
-    """Return the mean over the particles of (u^2 + v^2)/2."""
-    return 0.5 * np.mean(snapshot.weight * (np.square(snapshot.u) + np.square(snapshot.v)))
+def kinetic_energy(scene: FlowInBox, snapshot: Snapshot) -> float:
+    """Return the mean of (u^2 + v^2)/2 over the fluid of a box without bodies, see ``fits.fluid_mean``."""
+    size = np.array(scene.extent)
+    places = (np.stack([snapshot.x, snapshot.y], axis=1) - scene.origin) / size
+    square = np.square(snapshot.u) + np.square(snapshot.v)
+    return 0.5 * fluid_mean(places, square, snapshot.weight, size / scene.spacing, scene.periodic)
 
 
 def energy_series(scene: FlowInBox) -> TimeSeries:
@@ -438,8 +442,8 @@ def energy_series(scene: FlowInBox) -> TimeSeries:
         unit="energy",
         scale=0.5 * scene.reference_velocity**2,
         columns=["kinetic_energy"],
-        labels=[("mean over the particles", None)],
-        measure=lambda snapshot: np.array([kinetic_energy(snapshot)]),
+        labels=[("mean over the fluid", None)],
+        measure=lambda snapshot: np.array([kinetic_energy(scene, snapshot)]),
     )
 
 

@@ -239,7 +239,7 @@ class Cavity(BodyScene):
             **references,
             "centre_line_error": None,
             **errors,
-            "kinetic_energy": kinetic_energy(snapshot),
+            "kinetic_energy": kinetic_energy(self, snapshot),
             **others,
         }
 

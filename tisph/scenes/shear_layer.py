@@ -143,7 +143,7 @@ class Scene(AnyScene):
             law = self.rheology.law(self.kinematic_viscosity, self.density)
             dissipation = np.mean(snapshot.weight * law.viscosity(squared) * squared)
         return {
-            "kinetic_energy": kinetic_energy(snapshot),
+            "kinetic_energy": kinetic_energy(self, snapshot),
             "dissipation": dissipation,
             "mean_u": np.mean(snapshot.weight * snapshot.u),
             "mean_v": np.mean(snapshot.weight * snapshot.v),

@@ -465,7 +465,7 @@ class Runs:
             scaled = error_estimate.validated(places, error_estimate.respaced(places, 1.0 / factor))
             self.config = scaled.model_copy(update={"name": self.config.name})
         cost, sample = result.summary["cost"], result.last
-        self.measured.append((factor, forecast(config)[0]["run_time"], cost["wall_loop_s"]))
+        self.measured.append((factor, forecast(self._config(factor))[0]["run_time"], cost["wall_loop_s"]))
         readings = {goal.name: self._reading(goal.name, result) for goal in self.wanted}
         return Point(
             across=config.particles_across,

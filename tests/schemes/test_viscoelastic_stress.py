@@ -110,8 +110,8 @@ def test_a_polymer_without_viscosity_changes_nothing():
 
 
 def test_walls_that_slide_carry_along_what_is_at_them():
-    # a value that moves with the material has what it had where that was: found by an integrator, a spline between
-    # the points, of fourth order, measured 4e-6; other walls carry nothing
+    # a value that moves with the material has what it had where that was: found by an integrator; a polynomial between
+    # the points, measured 3e-8; other walls carry nothing
     lid = sliding_lid(spacing=1 / 40)
     (body,), place = lid.bodies, lid.at(0.0)[0][:, 0]
     elapsed = np.array([0.01, 0.03])
@@ -122,6 +122,17 @@ def test_walls_that_slide_carry_along_what_is_at_them():
     flow, _ = make()
     still = np.random.default_rng(0).normal(size=(2, 3, flow.walls.count))
     assert np.array_equal(flow.walls.carried(still, elapsed, 0.0), still)
+
+
+def test_no_waves_run_upstream_of_a_front_that_a_lid_carries():
+    """The logarithm of a stretch rises by 7 within a spacing; 8 spacings upstream 0.012 is left, by splines 0.38."""
+    lid = sliding_lid(spacing=1 / 32)
+    place, front = lid.at(0.0)[0][:, 0], 0.5
+    values = 7.0 * (place > front)[None, None]
+    for _ in range(40):
+        values = lid.carried(values, np.array([1e-3]), 0.0)
+        front += 1e-3 * lid.bodies[0].velocity(np.array([[front, 1.0]]))[0, 0]
+    assert np.abs(values[0, 0, place < front - 8 / 32]).max() < 0.05
 
 
 def sliding_lid(spacing):

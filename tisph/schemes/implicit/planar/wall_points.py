@@ -59,6 +59,21 @@ sphere of 8 spacings, in place of -0.06: the pressure that is to remove divergen
 run diverged. With 0 the largest one is above 2."""
 
 
+CARRYING = 6
+"""Points between which a wall that slides carries values: as many on each side of a place, where there are."""
+
+
+def nearest_weights(knots: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return indices (``CARRYING``, n) of ascending ``knots`` around the ``places`` (n,), and weights by Lagrange."""
+    count = min(CARRYING, len(knots))
+    first = np.clip(np.searchsorted(knots, places) - count // 2, 0, len(knots) - count)
+    chosen = first + np.arange(count)[:, None]
+    at, weights = knots[chosen], np.ones((count, len(places)))
+    for i, j in itertools.permutations(range(count), 2):
+        weights[i] *= (places - at[j]) / (at[i] - at[j])
+    return chosen, weights
+
+
 class WallPoints:
     """Points on the walls of ``bodies``; positions are in the box of a problem, its lowest corner ``origin``.
 
@@ -222,17 +237,18 @@ class WallPoints:
     def carried(self, values: np.ndarray, elapsed: np.ndarray, time: float) -> np.ndarray:
         """Return ``values`` (levels, numbers, count), each ``elapsed`` (levels,) ago, where the fluid came from.
 
-        Walls that slide along themselves carry them past the points, which stay: between those by cubic splines.
+        Walls that slide along themselves carry them past the points, which stay: between ``CARRYING`` points by
+        polynomials, which damp waves of two spacings. Splines do not: from the corner to which a lid slides, where the
+        stretch of a polymer rises within a spacing, such waves ran upstream along the whole lid.
         """
-        from scipy.interpolate import CubicSpline  # only walls that slide need it
-
         result = values.copy()
         for body, boundary, part in zip(self.bodies, self._placed(time), self.parts, strict=True):
             if isinstance(body, SlidingWall):
                 order = np.argsort(boundary.point[:, 0])
                 for age, gone in enumerate(elapsed):
-                    curve = CubicSpline(boundary.point[order, 0], values[age][:, part][:, order], axis=1)
-                    result[age][:, part] = curve(body.departure_point(boundary.point, gone)[:, 0])
+                    there = body.departure_point(boundary.point, gone)[:, 0]
+                    chosen, weights = nearest_weights(boundary.point[order, 0], there)
+                    result[age][:, part] = np.sum(values[age][:, part][:, order][:, chosen] * weights, axis=1)
         return result
 
     def along_slipping(self, values: np.ndarray, time: float) -> np.ndarray:

@@ -83,11 +83,18 @@ def align(
     found between plane walls where they are not given. ConfigError where the data do not fit.
     """
     if not isinstance(scene, Channel):
-        columns = _reoriented(_cartesian(columns, scene), axes or ORIENTATIONS[0], origin or (0.0, 0.0))
+        columns = oriented(columns, scene, axes, origin)
         return _aligned(*_completed(columns, scene, t), scene, t)
     if missing := [name for name in "yu" if name not in columns]:
         raise ConfigError(f"--columns: this flow needs {' and '.join(missing)}, too")
     return _between_walls(columns, scene, t, axes, origin)
+
+
+def oriented(
+    columns: Columns, scene: Scene, axes: Axes | None = None, origin: tuple[float, float] | None = None
+) -> Columns:
+    """Return the columns along the axes of the scene, also of data in r, u_r, u_theta; arguments as of ``align``."""
+    return _reoriented(_cartesian(columns, scene), axes or ORIENTATIONS[0], origin or (0.0, 0.0))
 
 
 def _cartesian(columns: Columns, scene: Scene) -> Columns:

@@ -89,12 +89,16 @@ class Judgement:
     diagnoses: dict[str, diagnosis.Diagnosis]
 
 
+def has_reference(config: Config) -> bool:
+    """Return whether the flow of a ``config`` has an exact or published solution, which ``judge`` needs."""
+    scene = scenes.of(config)
+    return bool({"u", "v"} & set(scene.fields)) or _steady(scene)
+
+
 def judge(config: Config, paths: Sequence[Path], question: Question) -> Judgement:
     """Compare the files ``paths`` with the reference of a ``config``; ConfigError where that is not possible."""
     scene = scenes.of(config)
-    if not {"u", "v"} & set(scene.fields) and not _steady(scene):
-        raise ConfigError(f"{config.name}: scene {config.scene} has no reference to compare with")
-    samples = [_sample(*each, scene, question, config) for each in _frames(paths, question, scene)]
+    samples = [_sample(*each, scene, question, config) for each in frames(paths, question, scene)]
     samples.sort(key=lambda each: (-each.scene.spacing, each.numbers["t"]))
     if _steady(scene):
         return Judgement(samples, [], {}, {})
@@ -127,7 +131,7 @@ def _diagnoses(by_resolution: dict[int, list[Sample]]) -> dict[str, diagnosis.Di
     return found
 
 
-def _frames(paths: Sequence[Path], question: Question, scene: Scene) -> Iterator[tuple[Path, Frame, float]]:
+def frames(paths: Sequence[Path], question: Question, scene: Scene) -> Iterator[tuple[Path, Frame, float]]:
     """Yield (path, frame, time) of all data to compare: columns by quantity, in the units of the config."""
     chosen, times = columns.parsed(question.columns), list(question.times)
     if len(paths) > 1 and len(times) > 1 and len(times) != len(paths):

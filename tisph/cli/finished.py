@@ -16,7 +16,7 @@ from tisph.folder import extended, replaced
 
 def compare(
     data: Annotated[
-        list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK.")
+        list[Path], typer.Argument(metavar="DATA...", help="Results: CSV, npz, HDF5, JSON, LAMMPS dump, VTK, a run.")
     ],
     config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the same flow.")],
     time: Annotated[
@@ -40,14 +40,21 @@ def compare(
     ] = None,
     select: Annotated[str | None, typer.Option("--select", help="The group of particles that is the fluid.")] = None,
     bound: Annotated[float | None, typer.Option("--bound", help="Exit status 1 if an error is larger.")] = None,
+    at_most: Annotated[
+        str | None, typer.Option("--at-most", metavar="TIME", help="Longest time of the runs of a reference: 10min.")
+    ] = None,
     out: Annotated[Path | None, out_folder("Numbers and picture [default: runs/compare-NAME].")] = None,
     overrides: Overrides = None,
 ) -> None:
-    """Judge the result of any code against the exact solution.
+    """Judge the result of any code against the exact solution, or against runs that refine until they can tell.
 
     Prints and stores errors, lines through the probes, centreline, wall shear, the place of the largest error, the
     order for several resolutions, and the fault, if a single one explains the errors. --bound is for the L2 error, or
     for the rms error over U in flows that cross zero.
+
+    Without an exact solution runs are made, and kept, in NAME_reference beside DATA, until their error bar is a tenth
+    of the difference. The verdict is agrees (to 0.1 %, or to --bound), differs, or undecided, with both numbers. DATA
+    may also be numbers of samples over t, such as drag_coefficient.
 
     \b
     Examples:
@@ -55,9 +62,11 @@ def compare(
       tisph compare out.dat --config couette.yaml --time 2.7 --columns y=2,u=4 --unit length=cm --unit velocity=cm/s
       tisph compare couette_100.hdf5 couette_200.hdf5 --config couette.yaml --bound 1e-3
       tisph compare couette.dump --config couette.yaml --time 20 --origin 0,0.06
+      tisph compare drag.csv --config cylinder_lattice.yaml --at-most 5min
     """
     from tisph.assessment import judge
     from tisph.config import load
+    from tisph.folder import Folder
 
     loaded = load(config, overrides or ())
     place = None
@@ -68,9 +77,23 @@ def compare(
             raise ConfigError(f"--origin {origin}: must be two numbers, such as 0,0.5") from None
         place = x, y
     question = judge.Question(time or (), columns or (), unit or (), orientation, place, select)
+    results = out or Path("runs") / f"compare-{data[0].stem or data[0].name}"
+    beside = data[0].parent / f"{loaded.name}_reference"
+    data = [Folder(each).samples if each.is_dir() else each for each in data]
+    if not judge.has_reference(loaded):
+        from tisph.studies import referee
+
+        compared = referee.compare(loaded, data, question, beside, at_most, bound)
+        print(referee.text(compared, loaded.name, beside))
+        print(referee.write(compared, results))
+        if bound is not None and not compared.agrees:
+            raise typer.Exit(1)
+        return
+    if at_most:
+        raise ConfigError("--at-most: is for flows without an exact solution; this one needs no runs")
     found = judge.judge(loaded, data, question)
     print(judge.text(found, loaded.name))
-    for path in judge.write(found, out or Path("runs") / f"compare-{data[0].stem or data[0].name}"):
+    for path in judge.write(found, results):
         print(f"{path}")
     if bound is not None:
         over = [each for each in found.samples if each.error is None or each.error > bound]

@@ -42,8 +42,8 @@ def verify(
     (docs/how-to/acceptance-tests.md); with --out DIR its finished runs are kept, and an interrupted suite goes on with
     the same command. With --walls a table of wall treatments, with a picture and all numbers in DIR. The suite
     estimates compares the errors that runs state of themselves (tisph run --estimate-error) with the true ones, the
-    suite bars the error bars of tisph run --until, the suite references the sources of tisph references with one
-    another.
+    suite bars the error bars of tisph run --until, the suite comparisons the verdicts of tisph compare, the suite
+    references the sources of tisph references with one another.
 
     \b
     Examples:

@@ -505,7 +505,7 @@ class Runs:
             )
             raise ConfigError(f"--until {name}: {text}; there are {', '.join(known)}")
         change = 0.0 if sample.get("steady", True) else sample.get("steady_change") or 0.0
-        return value, _scatter(name, sample), abs(change * value)
+        return value, scatter_of(name, sample), abs(change * value)
 
     def time_errors(self) -> dict[str, float]:
         """Return name -> difference of the coarsest run from the same with shorter steps, as an error."""
@@ -530,10 +530,14 @@ class Runs:
         other = self._result(f"{_name(coarse)}_{name}", loaded(coarse, values))
         found = {}
         for goal in self.wanted:
-            before, after = (self._reading(goal.name, each)[0] for each in (plain, other))
-            if before is not None and after is not None:
-                found[goal.name] = abs(before - after)
+            if (change := self._apart(goal.name, plain, other)) is not None:
+                found[goal.name] = change
         return found
+
+    def _apart(self, name: str, one: Result, other: Result) -> float | None:
+        """Return the difference of a number between two runs; None for a norm without an exact solution."""
+        first, second = (self._reading(name, each)[0] for each in (one, other))
+        return None if first is None or second is None else abs(first - second)
 
     def seconds(self, factor: float) -> float:
         """Return the expected cost of a run by the forecast and the cost of the last run; 0 where it is kept."""
@@ -570,7 +574,7 @@ START = 4.0
 """Approximate time [s] of a run apart from its steps."""
 
 
-def _scatter(name: str, sample: Mapping[str, Any]) -> float:
+def scatter_of(name: str, sample: Mapping[str, Any]) -> float:
     """Return the scatter of a load or of its coefficient, or of the pressure drop; 0 for other numbers."""
     kind, *rest = name.replace("_coefficient", "").split("_", 1)
     load = "_".join([kind, *rest])
@@ -578,7 +582,7 @@ def _scatter(name: str, sample: Mapping[str, Any]) -> float:
     return found * abs(sample[name] / sample[load]) if load != name and sample.get(load) else found
 
 
-def _limit(text: str | None) -> float:
+def limit(text: str | None) -> float:
     """Return a time in seconds; ``text`` is such as 10min, 90s, 2h. ConfigError for another text."""
     if text is None:
         return math.inf
@@ -592,12 +596,15 @@ def _limit(text: str | None) -> float:
     return seconds
 
 
+NO_NUMBERS = {"t", "t_star", "resolved", "reason", "step", "steady", "steady_reason", "zero_within_error"}
+"""Names in a sample that are no numbers of the flow."""
+
+
 def _require_names(config: Config, wanted: Sequence[Goal]) -> None:
     """Raise ConfigError for a goal whose name no sample and no history of the ``config`` has."""
     from tisph.studies.sweep import sample_names  # it imports Taichi and matplotlib
 
-    known = sample_names(config) | set(FIELDS)
-    known -= {"t", "t_star", "resolved", "reason", "step", "steady", "steady_reason", "zero_within_error"}
+    known = (sample_names(config) | set(FIELDS)) - NO_NUMBERS
     columns = {f"mean({name})" for name in scenes.of(config).time_series(**config.time_series).columns}
     for each in wanted:
         if each.name not in known | columns:
@@ -664,7 +671,7 @@ def run(
         wanted = goals(asked or config.accuracy or {})
     except ValueError as error:
         raise ConfigError(f"{'--until' if asked else 'accuracy'}: {error}") from None
-    limit = _limit(at_most)
+    most = limit(at_most)
     _require_names(config, wanted)
     plain = config.model_copy(update={"accuracy": None})
     others = folder.is_dir() and not (folder / RUNS).is_dir() and any(folder.iterdir())
@@ -673,7 +680,7 @@ def run(
     moved = _moved(plain, vary or {})
     with claimed(folder, "another run is writing there"):
         source = Runs(plain, folder / RUNS, wanted, moved)
-        chain = Chain(source, wanted, limit, lambda text: print(text, file=sys.stderr, flush=True))
+        chain = Chain(source, wanted, most, lambda text: print(text, file=sys.stderr, flush=True))
         chain.run()
         found = chain.entries()
         files = Folder(folder)

@@ -34,6 +34,9 @@ HEADER = ("case", "quantity", "value", "bound", "verdict")
 BARS = "bars"
 """The study of error bars, in ``bars.py``; it does not run with the others."""
 
+COMPARISONS = "comparisons"
+"""The study of the verdicts of ``tisph compare``, in ``comparisons.py``; it does not run with the others."""
+
 MANUFACTURED = "manufactured"
 """The suite whose runs are built in Python; it needs sympy, and does not run with the others."""
 
@@ -54,6 +57,10 @@ def run(
         from tisph.studies import bars
 
         return bars.run(out, as_json)
+    if name == COMPARISONS:
+        from tisph.studies import comparisons
+
+        return comparisons.run(out, as_json)
     suite = suite_of(name, quick, long)
     with ExitStack() as stack:
         if out:
@@ -80,7 +87,7 @@ def suite_of(name: str | None, quick: bool = False, long: bool = False) -> Suite
         return suites.ours(name, quick, long)
     if Path(name).suffix in (".yaml", ".yml"):
         return suites.read(Path(name), quick, long)
-    names = (*suites.PARTS, MANUFACTURED, REFERENCES, BARS)
+    names = (*suites.PARTS, MANUFACTURED, REFERENCES, BARS, COMPARISONS)
     if name in names:
         raise ConfigError(f"--long: {name} has no long section")
     raise ConfigError(

@@ -74,6 +74,12 @@ class FlowDefaults:
     body_force: Callable | None = None
     """Function of places x, y and a time that returns the components of an acceleration; None without one."""
 
+    kinematics: Callable | None = None
+    """Function of places x, y and a time that returns the velocity components at all times; None where it is found."""
+
+    kinematics_gradient: Callable | None = None
+    """The same for the gradient of that velocity: du/dx, du/dy, dv/dx, dv/dy; None where particles measure it."""
+
     conformation_source: Callable | None = None
     """Function of places x, y and a time that returns a source of the conformation tensor; None without one."""
 

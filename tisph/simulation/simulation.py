@@ -42,12 +42,14 @@ class Simulation:
     """A run that advances step by step in this process; ``config`` is a YAML file, a dict or a ``Config``.
 
     ``overrides`` are values by dotted key, as for ``tisph.run``. Nothing is written, unless ``save`` or ``results`` is
-    called. ``initial_velocity``, ``body_force`` (an acceleration) and ``conformation_source`` are functions of (x, y,
-    t), arrays of places and a time, that return physical components. The first two have components along x and y, in
-    axisymmetric flow along the axis, along the radius and around the axis. The source of the conformation tensor
-    [1/time] has xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt. With a function there is no reference; where
-    functions alone move the fluid, give ``reference.velocity``. Scheme ``implicit`` removes the divergence of an
-    initial velocity in two-dimensional flow; a warning says so where that changes it.
+    called. ``initial_velocity``, ``body_force`` (an acceleration), ``velocity`` and ``conformation_source`` are
+    functions of (x, y, t), arrays of places and a time, that return physical components. The first three have
+    components along x and y, in axisymmetric flow along the axis, along the radius and around the axis. ``velocity`` is
+    the velocity at all times: it takes the place of the equations for velocity and pressure, and may return du/dx,
+    du/dy, dv/dx, dv/dy after u and v. The source of the conformation tensor [1/time] has xx, xy, yy, in axisymmetric
+    flow xx, xr, rr, tt, xt, rt. With a function there is no reference; where functions alone move the fluid, give
+    ``reference.velocity``. Scheme ``implicit`` removes the divergence of an initial velocity in two-dimensional flow; a
+    warning says so where that changes it.
 
     With ``discretisation.refine: auto`` the first run goes on at once, and ``config`` has the places that it found.
 
@@ -62,10 +64,12 @@ class Simulation:
         *,
         initial_velocity: "Field | None" = None,
         body_force: "Field | None" = None,
+        velocity: "Field | None" = None,
         conformation_source: "Field | None" = None,
         **overrides: Any,
     ):
-        config, functions = loaded(config, overrides), (initial_velocity, body_force, conformation_source)
+        functions = initial_velocity, body_force, velocity, conformation_source
+        config = loaded(config, overrides)
         if config.discretisation.refine == "auto":
             first = FirstRun(config)
             self._set_up(first.config, None, *functions)
@@ -84,6 +88,7 @@ class Simulation:
         /,
         *,
         body_force: "Field | None" = None,
+        velocity: "Field | None" = None,
         conformation_source: "Field | None" = None,
         **overrides: Any,
     ) -> "Simulation":
@@ -96,7 +101,7 @@ class Simulation:
         config = loaded(checkpoint.config_of(Path(path)) if config is None else config, overrides)
         if config.discretisation.refine == "auto":
             config = restored(config, Path(path))
-        simulation._set_up(config, Path(path), None, body_force, conformation_source)
+        simulation._set_up(config, Path(path), None, body_force, velocity, conformation_source)
         return simulation
 
     def _set_up(self, config: Config, restored_from: Path | None, *functions: Any) -> None:
@@ -410,15 +415,16 @@ def with_functions(
     scheme: str,
     initial_velocity: Field | None = None,
     body_force: Field | None = None,
+    velocity: Field | None = None,
     conformation_source: Field | None = None,
 ) -> Scene:
-    """Return ``scene`` with an initial velocity, an acceleration and a source given as functions of (x, y, t).
+    """Return ``scene`` with initial velocity, acceleration, velocity and source given as functions of (x, y, t).
 
     Each function takes arrays (particles,) of places, and a time. It returns physical components, which broadcast to
     the places: velocity and acceleration along x and y, and around the axis as a third one in axisymmetric flow; the
-    source as xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt of the conformation tensor per time. A drive of
-    the config is added to the body force. Such a flow has no reference. ConfigError where the scene, or the ``scheme``
-    (its type), cannot take one of them.
+    source as xx, xy, yy, in axisymmetric flow xx, xr, rr, tt, xt, rt of the conformation tensor per time. After u and v
+    a ``velocity`` may have du/dx, du/dy, dv/dx, dv/dy. A drive of the config is added to the body force. Such a flow
+    has no reference. ConfigError where the scene, or the ``scheme`` (its type), cannot take one of them.
     """
     free = scene.periodic == (True, True) and not scene.bodies and not scene.parallel
     planar = scheme == "implicit" and not scene.parallel
@@ -440,7 +446,14 @@ def with_functions(
             "conformation_source: must be left out here; it is for two-dimensional flow of a fluid whose polymer has "
             "one relaxation time, with scheme implicit"
         )
-    if initial_velocity is None and body_force is None and conformation_source is None:
+    if velocity is not None and not (planar and not scene.has_free_bodies and not scene.flows_through):
+        raise ConfigError(
+            "velocity: must be left out here; it is for two-dimensional flow with scheme implicit, without bodies that "
+            "the flow carries and without open ends"
+        )
+    if velocity is not None and (initial_velocity or body_force):
+        raise ConfigError("velocity: leave out initial_velocity and body_force, which have no effect beside it")
+    if initial_velocity is None and body_force is None and velocity is None and conformation_source is None:
         return scene
     given: dict[str, Any] = {"fields": (), "initial": lambda _self, x, y: scene.initial(x, y)}
     if scene.axisymmetric:
@@ -461,17 +474,24 @@ def with_functions(
             given["in_flow_frame"] = lambda _self: frame
     if conformation_source is not None:
         given["conformation_source"] = staticmethod(_on_places(conformation_source, 6 if scene.axisymmetric else 3))
-    if initial_velocity is not None:
-        velocity = _on_places(initial_velocity, scene.components)
+    if velocity is not None:
+        middle = [np.array([begin + 0.5 * size]) for begin, size in zip(scene.origin, scene.extent, strict=True)]
+        has_gradient = not scene.axisymmetric and len(velocity(middle[0], middle[1], scene.start_time)) > 2
+        everything = _on_places(velocity, 6 if has_gradient else scene.components)
+        given["kinematics"] = staticmethod(lambda x, y, t: everything(x, y, t)[: scene.components])
+        if has_gradient:
+            given["kinematics_gradient"] = staticmethod(lambda x, y, t: everything(x, y, t)[2:])
+    if own_start := velocity or initial_velocity:
+        at_start = _on_places(lambda *place: own_start(*place)[: scene.components], scene.components)
 
         def initial(_self: Any, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-            return {**scene.initial(x, y), **dict(zip("uvw", velocity(x, y, scene.start_time), strict=False))}
+            return {**scene.initial(x, y), **dict(zip("uvw", at_start(x, y, scene.start_time), strict=False))}
 
-        given |= {"initial": initial, "has_own_start": planar}
-        given["initial_velocity"] = staticmethod(lambda x, y: np.stack(velocity(x, y, scene.start_time)))
+        given |= {"initial": initial, "has_own_start": planar and velocity is None}
+        given["initial_velocity"] = staticmethod(lambda x, y: np.stack(at_start(x, y, scene.start_time)))
         if free:
             x, y = scene.lattice()
-            u, v = velocity(x, y, scene.start_time)
+            u, v = at_start(x, y, scene.start_time)
             given["peak_velocity"] = max(scene.peak_velocity, float(np.hypot(u, v).max()))
     kind: Any = new_class(type(scene).__name__, (type(scene),), exec_body=lambda members: members.update(given))
     changed = kind.__new__(kind)

@@ -47,13 +47,14 @@ With two in every step it is 1.4e-2, and grows."""
 
 @dataclass(frozen=True)
 class Step:
-    """A step ``dt``: its ``gamma0``, the ``viscosity`` of its implicit part, and the error ``allowed`` of velocities.
+    """A step ``dt`` up to ``end``: ``gamma0``, ``viscosity`` of its implicit part, and error ``allowed`` of velocities.
 
     ``retained``: k gamma_0, by which divergence stays, where the spacing is the largest one. ``decay``: dt times the
     two terms of its decay there, ``step_limits.decay_rates``.
     """
 
     dt: float
+    end: float
     gamma0: float
     viscosity: float
     retained: float
@@ -321,6 +322,25 @@ class Splitting(Equations):
             known.x -= dt * gradient.x
             known.y -= dt * gradient.y
             self.velocity.b[i] = known
+
+
+class GivenFlow(Equations):
+    """Velocities that are a function of places and time: nothing is solved for, and the pressure is 0."""
+
+    def begin(self, viscosity: float, tolerance: float, forced: bool, couplings: Sequence[Coupling]) -> bool:
+        """Leave the pressure at 0."""
+        return True
+
+    def form_forcing(self, dt: float, outer: int) -> None:
+        """Form no forcing: it has no effect."""
+
+    def solve(self, step: Step, outer: int, couplings: Sequence[Coupling]) -> bool:
+        """Set the velocities of the particles; points on walls have those of their walls."""
+        problem, fluid = self.boundary.problem, self.points.in_fluid
+        assert problem.kinematics is not None
+        x, y = problem.places(view(self.points.position)[:fluid].astype(float))
+        view(self.velocity.x)[:fluid] = problem.unknowns_given(problem.kinematics, x, y, step.end)
+        return True
 
 
 class Coupled(Equations):

@@ -48,7 +48,8 @@ class Problem(Box):
       gradient keeps, else None; ``section_weights``: function of positions and time with the weights of that mean.
     * ``initial_velocity``: function of x, y that returns the velocities (components, ...) before bodies start; None for
       a fluid at rest. ``has_own_start``: whether they may have a divergence, which is removed.
-    * ``body_force``, ``conformation_source``: functions of places and time, see ``Scene``.
+    * ``body_force``, ``conformation_source``, ``kinematics``, ``kinematics_gradient``: functions of places and time,
+      see ``FlowDefaults``.
     * ``axisymmetric``: whether y is the distance from an axis; ``annular``: whether an inner wall keeps the fluid away
       from the axis; ``swirls``: whether the fluid may turn around it.
     * ``all_bodies``: those among ``walls``, and free ones that have not entered yet or have left.
@@ -74,6 +75,8 @@ class Problem(Box):
     has_own_start: bool = False
     body_force: Callable[..., Any] | None = None
     conformation_source: Callable[..., Any] | None = None
+    kinematics: Callable[..., Any] | None = None
+    kinematics_gradient: Callable[..., Any] | None = None
     swirls: bool = False
     contact: tuple[float, float] | None = None
     jump_times: tuple[float, ...] = ()
@@ -187,7 +190,7 @@ def problem_of(scene: FlowInBox) -> Problem:
         spacing_sources=scene.spacing_sources,
         growth=scene.growth,
         start_time=scene.start_time,
-        inertia=scene.inertia,
+        inertia=scene.inertia or scene.kinematics is not None,
         walls=walls,
         all_bodies=scene.bodies,
         acceleration=(scene.acceleration if scene.bodies else 0.0, 0.0),
@@ -198,6 +201,8 @@ def problem_of(scene: FlowInBox) -> Problem:
         has_own_start=scene.has_own_start,
         body_force=scene.body_force,
         conformation_source=scene.conformation_source,
+        kinematics=scene.kinematics,
+        kinematics_gradient=scene.kinematics_gradient,
         swirls=scene.swirls,
         contact=scene.contact,
         jump_times=scene.jump_times,

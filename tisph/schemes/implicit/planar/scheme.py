@@ -23,7 +23,7 @@ from tisph.runtime import real, ti, view
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes.implicit.planar import step_limits as limits
 from tisph.schemes.implicit.planar.body_exchange import BodyExchange, Particles
-from tisph.schemes.implicit.planar.equations import Coupled, Equations, Splitting, Step
+from tisph.schemes.implicit.planar.equations import Coupled, Equations, GivenFlow, Splitting, Step
 from tisph.schemes.implicit.planar.free_bodies import FreeBodyPart
 from tisph.schemes.implicit.planar.generalised_newtonian_stress import GeneralisedNewtonianStress
 from tisph.schemes.implicit.planar.insertion import Insertion
@@ -130,11 +130,13 @@ class PlanarScheme(ControlledScheme):
         self.grid.outlet = self.boundary.outlet
         parts = self.grid, self.boundary, self.extra_stress
         residuals = limits.residuals(self.tolerance, rounding, bool(problem.open_ends))
-        self.equations: Equations = (
-            Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
-            if coupled
-            else Splitting(*parts, residuals)
-        )
+        self.equations: Equations
+        if problem.kinematics:
+            self.equations = GivenFlow(*parts, residuals)
+        elif coupled:
+            self.equations = Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
+        else:
+            self.equations = Splitting(*parts, residuals)
 
     def reset(self) -> None:
         """Return to the state before the first step."""
@@ -225,7 +227,9 @@ class PlanarScheme(ControlledScheme):
             self.begin_steps()
             if not self.problem.inertia:
                 self.settle()
-        unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
+        unresolved = None  # given velocities have no error of the spacing
+        if not self.problem.kinematics:
+            unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
         dt, error = self.control.take(self.time, self.attempt, unresolved)
         if dt is None and math.isinf(error):
             raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")
@@ -359,7 +363,7 @@ class PlanarScheme(ControlledScheme):
         speed = limits.courant_speed(float(view(levels.fastest)), self.problem)
         viscous, convective = limits.decay_rates(viscosity, speed, self.problem)
         retained = max(0.0, gamma0 - (viscous + convective) * dt)
-        step = Step(dt, gamma0, viscosity, retained, (viscous * dt, convective * dt), allowed)
+        step = Step(dt, end, gamma0, viscosity, retained, (viscous * dt, convective * dt), allowed)
         equations.begin_step(weights, alpha if self.problem.inertia else 0.0 * alpha)
         self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
@@ -421,7 +425,8 @@ class PlanarScheme(ControlledScheme):
         for coupling in self.couplings:
             coupling.store(end)
         travelled = dt * limits.courant_speed(float(view(levels.fastest)), self.problem) / self.problem.spacing
-        self.shift.shift(self.steps == 0 and not self.boundary.bounded, travelled)
+        if not self.problem.kinematics_gradient:  # operators, for which particles have to lie evenly, have no effect
+            self.shift.shift(self.steps == 0 and not self.boundary.bounded, travelled)
         levels.remap()
         self.extra_stress.remap()
         self.boundary.corners.find_fastest()

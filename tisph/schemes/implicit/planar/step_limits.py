@@ -133,7 +133,10 @@ def is_slow(case: FlowScales, courant: float) -> bool:
     """Return whether velocity and pressure are solved for together, for steps of this Courant number.
 
     So they are between walls where that step is ``LONGER`` than the splitting's longest one, and where fluid slips.
+    Given velocities are not solved for.
     """
+    if case.kinematics:
+        return False
     longest = courant * case.spacing / case.reference_velocity
     slips = any(body.slip_length for body in case.bodies)
     return not case.inertia or slips or (bool(case.bodies) and longest > LONGER * viscous_step(case))
@@ -153,9 +156,9 @@ def viscous_step(case: FlowScales) -> float:
     It is infinite in a box without walls of a Newtonian fluid, with one spacing.
 
     Of a polymer's viscosity the part counts that responds within the step h: h times the moduli per unit density, over
-    ``LEADING``.
+    ``LEADING``. The step is infinite for given velocities as well.
     """
-    if not (case.bodies or case.rheology or case.wanted_spacing.varies):
+    if case.kinematics or not (case.bodies or case.rheology or case.wanted_spacing.varies):
         return math.inf
     most, viscosity = MOST_VISCOUS * case.wanted_spacing.smallest**2, case.kinematic_viscosity
     if case.rheology is None or not case.rheology.carries_stress:

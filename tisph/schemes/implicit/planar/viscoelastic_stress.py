@@ -96,6 +96,7 @@ class ViscoelasticStress(ExtraStress):
         self.origin, self.spacing = problem.origin, problem.spacing
         self.initial_conformation_excess = problem.initial_conformation_excess
         self.source, self.places = problem.conformation_source, problem.places
+        self.given_gradient = problem.kinematics_gradient
         self.axisymmetric, self.swirls = problem.axisymmetric, problem.swirls
         kind = COMPONENTS["with swirl" if self.swirls else "axisymmetric" if self.axisymmetric else "planar"]
         self.powers, self.stress_numbers, self.algebra = kind.powers, kind.stress, kind.algebra
@@ -116,6 +117,11 @@ class ViscoelasticStress(ExtraStress):
         scratch = self.gradient, self.implicit_stress, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
+
+    @property
+    def all_places(self) -> Any:
+        """Places x, y (points,) of all points in the frame of the scene at the end of the step."""
+        return self.places(view(self.points.position)[: self.points.fluid].astype(float))
 
     @property
     def radius(self) -> Any:
@@ -219,8 +225,7 @@ class ViscoelasticStress(ExtraStress):
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
         if self.source:
-            positions = view(self.points.position)[: self.points.fluid].astype(float)
-            self.produced = np.stack(self.source(*self.places(positions), time))[: len(self.state)]
+            self.produced = np.stack(self.source(*self.all_places, time))[: len(self.state)]
 
     def add_stress(self, velocity: Any, forcing: Any, dt: float) -> None:
         """Add dt div (S - 2 nu* D) of a ``velocity`` field to the forcing ``forcing`` of a step ``dt``."""
@@ -243,6 +248,8 @@ class ViscoelasticStress(ExtraStress):
             gradient[[0, 3]] -= 0.5 * (gradient[0] + gradient[3])
         if self.walls:
             self.take_known(self.walls, gradient[:, self.points.in_fluid :], self.slip(self.walls, velocity))
+        if self.given_gradient:
+            gradient[...] = np.stack(self.given_gradient(*self.all_places, self.time))
         for mode, (law, part) in enumerate(self.modes):
             change = lambda p, law=law: self._rate(law, p, gradient)  # noqa: E731
             known, guess = self.explicit_part[part], self.state[part]

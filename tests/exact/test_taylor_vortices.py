@@ -5,7 +5,7 @@ import pytest
 from numpy.polynomial import Chebyshev
 from scipy.optimize import minimize_scalar
 
-from tisph.exact.taylor_vortices import TaylorVortices, coefficients, critical_reynolds
+from tisph.exact.taylor_vortices import ElasticVortices, TaylorVortices, coefficients, critical_reynolds
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,29 @@ def test_the_energy_of_vortices_grows_as_they_do(outer):
     assert (production - dissipation) / energy == pytest.approx(found.growth_rate, rel=1e-9)
     assert np.allclose(found.velocity(np.array([inner, outside])), 0.0, atol=1e-10)
     assert np.max(a) == pytest.approx(1.0, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "reynolds", "wavenumber", "deborah", "expected"),
+    [
+        (0.9, 1.0, 8.0, 22.0, 0.00361647 + 0.05723428j),
+        (0.8, 1.0, 8.0, 20.0, 0.00828110 + 0.08299942j),
+        (0.8, 1.0, 8.0, 12.0, -0.01600224 + 0.08869387j),
+        (0.8, 0.0, 8.0, 20.0, 0.00799974 + 0.08299562j),
+        (0.5, 1.0, 8.0, 25.0, 0.00370135 + 0.09417848j),
+        (0.5, 75.0, 3.16, 0.1, 0.04151059),
+        (0.9, 0.0, 8.15978, 20.222588, 0.0573309j),
+        (0.8, 0.0, 11.58507, 15.361475, 0.0821030j),
+    ],
+)
+def test_elastic_vortices_of_two_other_solvers(ratio, reynolds, wavenumber, deborah, expected):
+    """shared/reference/viscoelastic.md, part E, to its last digit: De = lam W1 R1/d, in units of W1 R1/d; d = 1."""
+    radii, viscosity = (ratio / (1 - ratio), 1 / (1 - ratio)), 1 / reynolds if reynolds else np.inf
+    found = ElasticVortices(radii, (1 / radii[0], 0.0), viscosity, wavenumber, deborah, 0.5)
+    assert abs(found.growth_rate - expected) < 6e-8
+
+
+def test_elastic_vortices_without_polymer_are_taylor_vortices():
+    found = ElasticVortices((1.0, 2.0), (1.0, 0.0), 1 / 74.924, 3.161, 0.1, 1.0)
+    exact = TaylorVortices((1.0, 2.0), (1.0, 0.0), 1 / 74.924, 3.161)
+    assert found.growth_rate == pytest.approx(exact.growth_rate, rel=1e-8)

@@ -12,6 +12,17 @@ obey, linearised and without pressure and u_x, with M = d2/dr2 + (1/r) d/dr - 1/
 They are solved by Galerkin's method with polynomials that satisfy the walls' conditions, (1 - z^2)^2 T_n(z) for a and
 (1 - z^2) T_n(z) for c, -1 <= z <= 1 across the gap. Source: S. Chandrasekhar, Hydrodynamic and Hydromagnetic
 Stability (1961), sections 70 to 72. Accuracy: 1e-10 at radius ratios from 0.1 on, and k up to 10 over the gap.
+
+In an Oldroyd-B fluid the disturbances stretch the polymer, and the polymer, which the flow stretches around the axis,
+pulls inwards: disturbances grow without inertia as well, and oscillate (``ElasticVortices``). With the conformation
+tensor A + C e^(st), the rate g = r dW/dr, N = lam g = A_rt and A_tt = 1 + 2 N^2, and s' = s + 1/lam, C obeys
+
+    s' C_rr = 2 a',     s' C_rt = g C_rr + N (a' + a/r) - a N' + c' - c/r,     s' C_xx = 2 k b,     s' C_rx = b' - k a,
+    s' C_tt = 2 g C_rt + 2 N (c' - c/r) + 2 A_tt a/r - a A_tt',     s' C_tx = g C_rx + N b' - k c
+
+at each point, C_rx and C_tx times sin(kx), the others times cos(kx). Velocity and stress obey the weak momentum
+equation for the same polynomials. Sources: R. G. Larson, E. S. G. Shaqfeh, S. J. Muller, J. Fluid Mech. 218 (1990)
+573-600. Accuracy: 1e-8 at radius ratios from 0.5 on, k up to 10 over the gap, and De up to 25.
 """
 
 from dataclasses import dataclass
@@ -69,6 +80,56 @@ class TaylorVortices:
         return values[leading], [Chebyshev((part / size).coef.real, domain=self.radii) for part in (a, c)]
 
 
+@dataclass(frozen=True)
+class ElasticVortices:
+    """The disturbance of circular Couette flow of an Oldroyd-B fluid that grows fastest, or decays slowest.
+
+    ``kinematic_viscosity`` of solvent and polymer together, infinite without inertia; other arguments as of
+    ``TaylorVortices`` and of ``rheology/oldroyd_b.py``.
+    """
+
+    radii: tuple[float, float]
+    angular_velocities: tuple[float, float]
+    kinematic_viscosity: float
+    wavenumber: float
+    relaxation_time: float
+    solvent_fraction: float
+
+    @cached_property
+    def growth_rate(self) -> complex:
+        """s (1/time), growth rate + i angular frequency, of which the conjugate is a solution as well."""
+        from scipy.linalg import block_diag, eig
+
+        basis, lam, k = _Basis(*self.radii, self.wavenumber), self.relaxation_time, self.wavenumber
+        slope, constant = coefficients(self.radii, self.angular_velocities)
+        r, none = basis.r[:, None], 0.0 * basis.a
+        a, da, dda = (np.hstack([each, none]) for each in basis.derivatives(basis.twice, 2))
+        c, dc = (np.hstack([none, each]) for each in basis.derivatives(basis.once, 1))
+        b, db = -(da + a / r) / k, -(dda + da / r - a / r**2) / k
+        rate = -2.0 * constant / r**2
+        shear, around = lam * rate, 1.0 + 2.0 * (lam * rate) ** 2  # N and A_tt, which fall as r^-2 and r^-4
+        strain = np.stack([da, dc - c / r, a / r, k * b, db - k * a, -k * c])  # rr, rt, tt, xx, rx, tx
+        twice = np.array([2.0, 1.0, 2.0, 2.0, 1.0, 1.0])[:, None, None] * strain
+        stretched = twice.copy()
+        stretched[1] += shear * (da + a / r) + 2.0 * a * shear / r
+        stretched[2] += 2.0 * (around - 1.0) * a / r + 2.0 * shear * (dc - c / r) + 4.0 * a * (around - 1.0) / r
+        stretched[5] += shear * db
+        relaxed = -np.eye(6 * len(r)) / lam
+        blocks = relaxed.reshape(6, len(r), 6, len(r))
+        points = np.arange(len(r))
+        for row, column, factor in ((1, 0, 1.0), (2, 1, 2.0), (5, 4, 1.0)):
+            blocks[row, points, column, points] = factor * rate[:, 0]
+        weights = basis.weights[:, None]
+        tests = -np.concatenate(strain * weights).T
+        turning = (2.0 * (slope + constant / r**2) * weights * a).T @ c - (2.0 * slope * weights * c).T @ a
+        mass = sum(each.T @ (weights * each) for each in (a, b, c))
+        beta, inertia = self.solvent_fraction, 1.0 / self.kinematic_viscosity
+        upper = [inertia * turning + beta * tests @ np.concatenate(twice), (1.0 - beta) / lam * tests]
+        left = np.vstack([np.hstack(upper), np.hstack([np.concatenate(stretched), relaxed])])
+        values = eig(left, block_diag(inertia * mass, np.eye(6 * len(r))), right=False)
+        return complex(max(values[np.isfinite(values) & (values.imag >= 0.0)], key=lambda s: s.real))
+
+
 def critical_reynolds(radius_ratio: float, wavenumber: float) -> float:
     """Return the W1 R1 d/nu at which s = 0, with the outer cylinder at rest; ``wavenumber``: k d, d = R2 - R1.
 
@@ -95,8 +156,9 @@ def coefficients(radii: tuple[float, float], angular_velocities: tuple[float, fl
 class _Basis:
     """Polynomials for c (``once``) and a (``twice``) between radii, and operators on them at points ``r``.
 
-    Matrices (points, polynomials): ``a``, ``c``, M a (``of_a``), M c (``of_c``) and M^2 a (``fourth``). ``tests`` for
-    the equations of a and of c: matrices (polynomials, points) of integrals over r dr with each polynomial.
+    Matrices (points, polynomials): ``a``, ``c``, M a (``of_a``), M c (``of_c``) and M^2 a (``fourth``). ``weights`` of
+    points in integrals over r dr; ``tests`` for the equations of a and of c: matrices (polynomials, points) of
+    integrals with each polynomial.
     """
 
     def __init__(self, inner: float, outer: float, wavenumber: float) -> None:
@@ -107,15 +169,16 @@ class _Basis:
         self.once = [wall * Chebyshev.basis(n, domain=domain) for n in range(COUNT)]
         self.twice = [wall * each for each in self.once]
 
-        def derivatives(polynomials: list[Chebyshev], orders: int) -> list[np.ndarray]:
-            return [np.stack([each.deriv(n)(self.r) for each in polynomials], axis=1) for n in range(orders + 1)]
-
-        r = self.r[:, None]
-        self.c, first, second = derivatives(self.once, 2)
+        r, self.weights = self.r[:, None], weights * self.r
+        self.c, first, second = self.derivatives(self.once, 2)
         self.of_c = second + first / r - (1 / r**2 + k) * self.c
-        self.a, first, second, third, fourth = derivatives(self.twice, 4)
+        self.a, first, second, third, fourth = self.derivatives(self.twice, 4)
         curved = second + first / r - self.a / r**2
         self.of_a = curved - k * self.a
         fourth = fourth + 2 / r * third - 3 / r**2 * second + 3 / r**3 * first - 3 / r**4 * self.a
         self.fourth = fourth - 2 * k * curved + k**2 * self.a
-        self.tests = [(values * (weights * self.r)[:, None]).T for values in (self.a, self.c)]
+        self.tests = [(values * self.weights[:, None]).T for values in (self.a, self.c)]
+
+    def derivatives(self, polynomials: list[Chebyshev], orders: int) -> list[np.ndarray]:
+        """Return the values (points, polynomials) of all derivatives of the ``polynomials`` up to these ``orders``."""
+        return [np.stack([each.deriv(n)(self.r) for each in polynomials], axis=1) for n in range(orders + 1)]

@@ -40,9 +40,9 @@ from tisph.config.schema import Config
 from tisph.errors import ConfigError, TisphError
 from tisph.folder import Folder, replaced
 from tisph.measures.fits import interpolated
-from tisph.report.chain import draw
 from tisph.results import open_run
 from tisph.scenes._scene import Scene
+from tisph.snapshot import Snapshot
 from tisph.studies import until
 from tisph.studies.processes import Result
 from tisph.studies.store import claimed
@@ -131,8 +131,8 @@ class Quantity:
         off = self.data - self.reference
         share = float(np.sum(off * self.reference) / max(np.sum(self.reference**2), 1e-300))
         along = abs(share) * np.linalg.norm(self.reference) >= math.sqrt(0.5) * np.linalg.norm(off)
-        text = f"{100 * abs(share):.3g} % too {'large' if share > 0 else 'small'}" if along else "differs"
-        return f"{text}{self._place(int(np.argmax(np.linalg.norm(off, axis=1))))}"
+        text = f"{100 * abs(share):.3g} % too {'large' if share > 0 else 'small'}, " if along else ""
+        return f"{text}{self._place(int(np.argmax(np.linalg.norm(off, axis=1))))}".rstrip(", ")
 
     def _place(self, index: int) -> str:
         return ""
@@ -143,16 +143,24 @@ class Field(Quantity):
     """Components ``parts`` of a field at points, the ``places``, at one time; a pressure is known up to a constant."""
 
     parts: tuple[str, ...] = ()
+    free: bool = False
+    """Whether points in free bodies are still to be left out: a run says where these are."""
 
     def of(self, result: Result) -> np.ndarray:
         """Return the values (n, components) of a run."""
+        if self.free:
+            scene, snapshot = self._run(result)
+            self.keep(_within(scene, scene.seen(snapshot).bodies, self.places, snapshot.t))
+            self.free = False
         return self.at(result, self.places)
+
+    def _run(self, result: Result) -> tuple[Scene, Snapshot]:
+        run = open_run(result.folder)
+        return scenes.of(run.config), list(run.snapshots())[self.samples[0]]
 
     def at(self, result: Result, points: np.ndarray) -> np.ndarray:
         """Return the values of a run at ``points`` (n, 2)."""
-        run = open_run(result.folder)
-        scene: Any = scenes.of(run.config)
-        snapshot = list(run.snapshots())[self.samples[0]]
+        scene, snapshot = self._run(result)
         positions = np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
         values = np.stack([getattr(snapshot, part) for part in self.parts], axis=1).astype(float)
         found = interpolated(scene, positions, values, points)
@@ -166,7 +174,7 @@ class Field(Quantity):
 
     def _place(self, index: int) -> str:
         x, y = self.places[index]
-        return f", the most at ({x:.4g}, {y:.4g})"
+        return f"the most at ({x:.4g}, {y:.4g})"
 
 
 @dataclass
@@ -195,7 +203,7 @@ class Number(Quantity):
         return [result.summary["samples"][number] for number in self.samples]
 
     def _place(self, index: int) -> str:
-        return f", the most at t = {self.times[index]:.4g}" if len(self.times) > 1 else ""
+        return f"the most at t = {self.times[index]:.4g}" if len(self.times) > 1 else ""
 
 
 def quantities(config: Config, paths: Sequence[Path], question: judge.Question) -> list[Quantity]:
@@ -260,6 +268,7 @@ def _fields(config: Config, path: Path, question: judge.Question, known: set[str
             f"{error}; none is a number of a sample{near}; there are {', '.join(sorted(known))}"
         ) from None
     found = [found[index] for index in np.unique(np.linspace(0, len(found) - 1, MOST_TIMES).round().astype(int))]
+    fixed = [body for body in scene.bodies if not body.free]
     axes = alignment.orientation(question.orientation) if question.orientation else alignment.ORIENTATIONS[0]
     made: list[Quantity] = []
     for _, frame, t in found:
@@ -272,7 +281,8 @@ def _fields(config: Config, path: Path, question: judge.Question, known: set[str
                 table = np.stack([values[part] for part in ("x", "y", *each)], axis=1)
                 places, when = table[:, :2], np.array([t])
                 quantity = Field(f"{name} at t = {t:g}", table[:, 2:], places, when, frame.notes, parts=each)
-                inside = np.isfinite(table).all(axis=1) & _within(scene, quantity.places, t)
+                quantity.free = scene.has_free_bodies
+                inside = np.isfinite(table).all(axis=1) & _within(scene, fixed, quantity.places, t)
                 if inside.sum() < alignment.LEAST:
                     text = f"{inside.sum()} of {len(inside)} points are in the fluid, {alignment.LEAST} are needed"
                     raise ConfigError(f"{path}: {text}; give --unit, --origin or --orientation")
@@ -285,14 +295,14 @@ def _fields(config: Config, path: Path, question: judge.Question, known: set[str
     return made
 
 
-def _within(scene: Scene, points: np.ndarray, t: float) -> np.ndarray:
-    """Return whether each of the ``points`` (n, 2) is in the fluid, and farther than ``WALL`` from walls."""
+def _within(scene: Scene, bodies: Sequence[Any], points: np.ndarray, t: float) -> np.ndarray:
+    """Return whether each of the ``points`` (n, 2) is in the box, and farther than ``WALL`` from ``bodies``."""
     low, size = np.asarray(scene.origin), np.asarray(scene.extent)
-    inside = (np.isnan(points) | ((points >= low) & (points <= low + size)) | np.asarray(scene.periodic)).all(axis=1)
-    if not scene.bodies:
-        return inside
-    wrapped = np.where(scene.periodic, low + (points - low) % size, points)
-    return inside & (scene.distance(np.nan_to_num(wrapped), t) >= WALL * scene.spacing)
+    wrapped = np.nan_to_num(np.where(scene.periodic, low + (points - low) % size, points))
+    inside = ((wrapped >= low) & (wrapped <= low + size)).all(axis=1)
+    for body in bodies:
+        inside &= body.nearest(wrapped, t).distance >= WALL * scene.spacing
+    return inside
 
 
 @dataclass(frozen=True)
@@ -525,9 +535,7 @@ def compare(
             findings.append(Finding(each, each.difference, bar, noise, found, reason))
         differing = [each for each in findings if each.verdict == "differs"]
         explained = explanations(source, findings) if differing else []
-        files = Folder(folder)
-        draw(entries, config, files.accuracy_picture)
-        with replaced(files.accuracy) as new:
+        with replaced(Folder(folder).accuracy) as new:
             new.write_text(json.dumps(entries, indent=2), encoding="utf-8")
     return Comparison(findings, explained, entries)
 

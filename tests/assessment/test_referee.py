@@ -57,7 +57,8 @@ def runs(monkeypatch):
         return self.results.setdefault(name, result)
 
     def at(self, result, points):
-        return flow(result.config, points, result.config.time.samples[self.samples[0]])
+        values = flow(result.config, points, result.config.time.samples[self.samples[0]])
+        return values if "u" in self.parts else values[:, :1] - values[:, :1].mean()
 
     monkeypatch.setattr(until.Runs, "_result", made)
     monkeypatch.setattr(referee.Field, "at", at)
@@ -116,6 +117,18 @@ def test_one_change_of_the_data_is_named_with_its_value(config, tmp_path, runs, 
     (best,) = found.explained
     assert abs(best.values[0] - value) < 3.0 * best.uncertain[0]
     assert best.uncertain[0] < 0.15 * value
+
+
+def test_a_wrong_pressure_is_not_explained_by_velocities(config, tmp_path, runs):
+    path = fields(tmp_path / "data.csv")
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    pressure = np.concatenate([flow(config, half[:, 1:3], half[0, 0])[:, :1] for half in np.split(table, 2)])
+    np.savetxt(path, np.hstack([table, 1.5 * pressure]), delimiter=",", header="t,x,y,u,v,p", comments="")
+    found = compared(config, path)
+    verdicts = {each.quantity.name: each.verdict for each in found.findings}
+    assert verdicts["velocity at t = 0.2"] == "agrees"
+    assert verdicts["pressure at t = 0.2"] == "differs"
+    assert "factor" in {each.name for each in found.explained}
 
 
 def test_noise_in_the_data_hides_no_factor_and_is_none(config, tmp_path, runs):

@@ -390,7 +390,7 @@ class Finding:
 
 
 def _percent(share: float) -> str:
-    return f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.2g} %" if math.isfinite(share) else "unknown size"
 
 
 @dataclass(frozen=True)
@@ -416,8 +416,13 @@ def verdict(difference: float, bar: float, noise: float, detail: float) -> str:
 
 
 def explanations(source: Referee, findings: Sequence[Finding]) -> list[Explanation]:
-    """Return the single changes that explain the data, the best first; none if several values are not compared."""
-    judged = [each for each in findings if isinstance(each.quantity, Field) and "u" in each.quantity.parts] or findings
+    """Return the single changes that explain the data, the best first; none for fewer than five values.
+
+    They are fitted to all velocities, or to what differs if no velocity does.
+    """
+    differing = [each for each in findings if each.verdict == "differs"]
+    velocities = [each for each in findings if isinstance(each.quantity, Field) and "u" in each.quantity.parts]
+    judged = velocities if any(each in differing for each in velocities) else differing
     if sum(each.quantity.data.size for each in judged) < alignment.LEAST:
         return []
 
@@ -491,11 +496,15 @@ def _changes(source: Referee, judged: Sequence[Quantity]) -> Iterator[tuple[str,
 
 @dataclass(frozen=True)
 class Comparison:
-    """Findings on all data, changes that explain them, and the contents of the ``accuracy.json`` of the chain."""
+    """Findings on all data, changes that explain them, and the contents of the ``accuracy.json`` of the chain.
+
+    ``late``: whether the time of ``--at-most`` was over, so that no changes were tried.
+    """
 
     findings: list[Finding]
     explained: list[Explanation]
     chain: dict[str, Any]
+    late: bool = False
 
     @property
     def agrees(self) -> bool:
@@ -533,11 +542,11 @@ def compare(
             reason = "" if entries[goal.name]["reached"] else entries[goal.name]["reason"] or ""
             found = verdict(each.difference, bar, noise, detail)
             findings.append(Finding(each, each.difference, bar, noise, found, reason))
-        differing = [each for each in findings if each.verdict == "differs"]
-        explained = explanations(source, findings) if differing else []
+        late = source.spent > limit
+        explained = [] if late else explanations(source, findings)
         with replaced(Folder(folder).accuracy) as new:
             new.write_text(json.dumps(entries, indent=2), encoding="utf-8")
-    return Comparison(findings, explained, entries)
+    return Comparison(findings, explained, entries, late)
 
 
 def text(found: Comparison, name: str, folder: Path) -> str:
@@ -549,7 +558,8 @@ def text(found: Comparison, name: str, folder: Path) -> str:
     lines += [each.text for each in found.findings]
     if any(each.verdict == "differs" for each in found.findings):
         several = ", and cannot be told apart by these data" if len(found.explained) > 1 else ""
-        lines.append(f"what explains the difference{several}:" if found.explained else "no single change explains it")
+        none = "changes are not tried, --at-most is over" if found.late else "no change that is tried explains it"
+        lines.append(f"what explains the difference{several}:" if found.explained else none)
         lines += [f"  {each.words}; {_percent(each.remain)} of the difference remains" for each in found.explained]
     return "\n".join(lines)
 

@@ -109,6 +109,22 @@ def test_taylor_vortices_grow_as_fast_as_they_should(start_flow):
     assert rate == pytest.approx(exact.growth_rate, rel=2e-2)
 
 
+def test_developed_flow_of_a_polymer_between_cylinders_stays(start_flow):
+    """A_tt = 1 + 2 N^2 is 649 at the inner cylinder and 129 at the outer one.
+
+    Linear theory of elastic vortices is compared in `tisph verify viscoelastic --long`.
+    """
+    fluid = "{type: oldroyd_b, relaxation_time: 5.0, solvent_fraction: 0.5}"
+    shape = "geometry={inner_radius: 2.0, outer_radius: 3.0, length: 2.0}", "initial.jitter=0.2", "time.end=5.0"
+    slow = f"fluid.rheology={fluid}", "fluid.kinematic_viscosity=1.0", "initial.disturbance=0.0"
+    scene, scheme = start_flow("taylor_vortices", *shape, *slow, "discretisation.particles_across=12")
+    snapshot = run(scheme)
+    exact = scene.initial(snapshot.x, snapshot.y)
+    for name in ("w", "stress_tt", "stress_yt"):
+        assert np.abs(getattr(snapshot, name) - exact[name]).max() < 1e-3 * np.abs(exact[name]).max()
+    assert max(np.abs(snapshot.u).max(), np.abs(snapshot.v).max()) < 1e-3
+
+
 def test_circular_couette_flow_is_swirl_with_its_torques(start_flow):
     between = "geometry={radius: 2.0, inner_radius: 1.0, length: 1.3}", "discretisation.particles_across=14"
     turning = "walls.inner.angular_velocity=1.0", "drive.acceleration=0", "initial.jitter=0.2", "time.end=0.5"

@@ -1,13 +1,13 @@
 """Taylor-Couette flow: fluid between two cylinders that turn around one axis; Taylor's vortices.
 
 The flow is axisymmetric. It is periodic along the axis, or between end plates, which make vortices of their own. It
-starts at rest, or as the laminar flow A r + B/r around the axis of cylinders that have always turned. ``disturbance``
-adds one pair of vortices in the length; it is their largest radial velocity over the speed of the fastest wall. Above
-the critical Reynolds number of their wavenumber the vortices grow, exponentially at first, until they carry a part of
-the torque (G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343).
+starts at rest, or as the laminar flow A r + B/r around the axis of cylinders that have always turned, with the stress
+of an Oldroyd-B fluid. ``disturbance`` adds one pair of vortices in the length; it is their largest radial velocity over
+the speed of the fastest wall. Above the critical Reynolds number of their wavenumber the vortices grow, exponentially
+at first, until they carry a part of the torque (G. I. Taylor, Phil. Trans. R. Soc. A 223 (1923) 289-343).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -100,7 +100,7 @@ class Config(_axisymmetric.Config):
                 yield "initial.state", f"must be rest where walls.{name} does not turn at a constant angular_velocity"
             if developed and wall.slip_length:
                 yield "initial.state", f"must be rest where the fluid slips (walls.{name}): no laminar flow is built in"
-        if developed and not self.fluid.newtonian:
+        if developed and not self.fluid.linear:
             yield "initial.state", f"must be rest: the laminar flow of {self.fluid.rheology.type} is not built in here"
 
 
@@ -174,7 +174,24 @@ class Scene(AxisymmetricScene):
         fields["v"] = speed * shape * np.cos(wave * x)
         if self.developed:
             fields["w"] = self.laminar[0] * y + self.laminar[1] / y
+        if self.polymer and self.developed:
+            ((_, _, _, around, _, shear),) = self._excess_at(x, y)
+            modulus = (self.dynamic_viscosity - self.density * self.solvent_viscosity) / self.polymer.relaxation_time
+            fields |= {"stress_tt": modulus * around, "stress_yt": modulus * shear}
         return fields
+
+    @property
+    def initial_conformation_excess(self) -> Callable | None:
+        """Function of places x, y (n,) that returns C (components, n) of the polymer in laminar flow.
+
+        C_rt = N and C_tt = 2 N^2, N = relaxation time * shear rate. None at rest and without polymer.
+        """
+        return self._excess_at if self.polymer and self.developed else None
+
+    def _excess_at(self, x: np.ndarray, y: np.ndarray) -> list[tuple[np.ndarray, ...]]:
+        assert self.polymer
+        shear, none = -2.0 * self.polymer.relaxation_time * self.laminar[1] / y**2, np.zeros_like(y)
+        return [(none, none, none, 2.0 * shear**2, none, shear)]
 
     def diagnostics(self, snapshot: Snapshot, series: Sequence) -> dict[str, Any]:
         """Return torques and forces on the cylinders, kinetic energies, and the growth rate of vortices.

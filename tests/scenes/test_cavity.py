@@ -225,3 +225,30 @@ def test_kinetic_energy_does_not_depend_on_how_evenly_particles_lie(regular):
     v = -32.0 * (x - x**2) * (1.0 - 2.0 * x) * (y**3 - y**2)
     exact = 0.5 * (256 / 630 * 2 / 15 + 1024 / 210 / 105)
     assert kinetic_energy(scene, replace(state, x=x, y=y, u=u, v=v)) == pytest.approx(exact, rel=5e-5)  # 1.5e-5 off
+
+
+def test_a_lid_whose_velocity_is_given_at_times_is_smooth_in_between(case):
+    """It is a spline without a slope at its ends; without ``smooth`` it is a polyline, whose kinks count as jumps."""
+    lid = "walls.lid={times: [0.5, 1.0, 1.5], velocities: [0.0, -1.0, -2.0], profile: regular%s}"
+    scene = Scene.from_config(case(lid % ", smooth: true"))
+    kinked = Scene.from_config(case(lid % ""))
+    middle, times = np.array([[0.5 * scene.width, scene.height]]), np.array([0.0, 0.5, 0.75, 1.0, 1.5, 9.0])
+    at = [[each.bodies[2].velocity(middle, t)[0, 0] for t in times] for each in (scene, kinked)]
+    assert at[0] == pytest.approx([0.0, 0.0, -0.3125, -1.0, -2.0, -2.0])  # of the cubic from slope 0 to slope -3
+    assert at[1] == pytest.approx([0.0, 0.0, -0.5, -1.0, -2.0, -2.0])
+    assert (scene.jump_times, kinked.jump_times) == ((), (0.5, 1.5))
+    assert (scene.velocity, scene.velocity_scale) == (-2.0, 2.0)
+    assert scene.bodies[2].at(0.75).acceleration(middle)[0, 0] == pytest.approx(-2.25)
+    assert [each.bodies[2].steady for each in (scene, kinked, Scene.from_config(case()))] == [False, False, True]
+
+
+def test_without_inertia_the_reference_follows_the_lid(case):
+    lid = "walls.lid={times: [0.0, 1.0], velocities: [0.0, 2.0], profile: regular, smooth: true}"
+    scene = Scene.from_config(case(lid, "fluid.inertia=false"))
+    steady = RegularCavity(scene.width, scene.height, 2.0, np.inf)
+    half = snapshot_of(scene, lambda x, y: 0.5 * np.array(steady.velocity(x, y)), t=0.5)
+    found = measured(scene, half)
+    assert found["l2"] < 1e-12
+    assert found["v_max_exact"] == pytest.approx(0.5 * steady.extremes()["v_max"])
+    with_inertia = Scene.from_config(case(lid))
+    assert measured(with_inertia, replace(half, t=100.0))["l2"] is None

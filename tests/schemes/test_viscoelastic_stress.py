@@ -137,7 +137,7 @@ def test_no_waves_run_upstream_of_a_front_that_a_lid_carries():
 
 def sliding_lid(spacing):
     line, profile = Line((1.0, 0.0), (-1.0, 0.0), 1.0), Polynomial([0.0, 0.0, 16.0, -32.0, 16.0])
-    return WallPoints([SlidingWall(line, speed=2.0, width=1.0, profile=profile)], spacing, (0.0, 0.0))
+    return WallPoints([SlidingWall(line, course=WallMotion(2.0), width=1.0, profile=profile)], spacing, (0.0, 0.0))
 
 
 def test_stress_follows_a_shift():

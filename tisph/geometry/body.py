@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from tisph.geometry.motion import REST, STILL, FreeMotion, RigidMotion
+from tisph.geometry.motion import REST, STILL, FreeMotion, RigidMotion, Schedule, SmoothSchedule, WallMotion
 from tisph.geometry.shape import Boundary, ClosestPoint, Shape
 
 POINTS = 1000
@@ -238,35 +238,41 @@ def _quarter(vectors: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class SlidingWall(Body):
-    """A line along x that slides along x with the velocity ``speed`` * ``profile``, a polynomial in x/``width``."""
+    """A line along x that slides along x with the velocity ``course`` * ``profile``, a polynomial in x/``width``."""
 
-    speed: float
+    course: WallMotion | Schedule | SmoothSchedule
     width: float
     profile: Polynomial
+
+    @property
+    def steady(self) -> bool:
+        """See ``Body.steady``."""
+        return not self.course.oscillates
 
     def _along(self, points: np.ndarray, polynomial: Polynomial) -> np.ndarray:
         values = polynomial(np.asarray(points, dtype=float)[:, 0] / self.width)
         return np.stack([values, np.zeros(len(values))], axis=1)
 
     def point_velocity(self, points: np.ndarray, state: BodyState) -> np.ndarray:
-        """Return the velocity of the wall at ``points``, at any time."""
-        return self.speed * self._along(points, self.profile)
+        """Return the velocity of the wall at ``points``, from its ``state``."""
+        return self.course.velocity(state.time) * self._along(points, self.profile)
 
-    def departure_point(self, points: np.ndarray, elapsed: float) -> np.ndarray:
-        """Return the places a time ``elapsed`` ago of the wall's material at ``points``: one step of Runge-Kutta."""
-        start = np.asarray(points, dtype=float)
-        first = -elapsed * self.velocity(start)
-        second = -elapsed * self.velocity(start + 0.5 * first)
-        third = -elapsed * self.velocity(start + 0.5 * second)
-        return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third)) / 6.0
+    def departure_point(self, points: np.ndarray, elapsed: float, time: float) -> np.ndarray:
+        """Return where the material at ``points`` at ``time`` was ``elapsed`` before, by a step of Runge-Kutta."""
+        start, middle, before = np.asarray(points, dtype=float), time - 0.5 * elapsed, time - elapsed
+        first = -elapsed * self.velocity(start, time)
+        second = -elapsed * self.velocity(start + 0.5 * first, middle)
+        third = -elapsed * self.velocity(start + 0.5 * second, middle)
+        return start + (first + 2.0 * (second + third) - elapsed * self.velocity(start + third, before)) / 6.0
 
     def tangential_gradient(self, points: np.ndarray, tangents: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Return the derivative of the wall's velocity along ``tangents`` (n, 2) at ``points``."""
-        return self.speed / self.width * self._along(points, self.profile.deriv()) * tangents[:, :1]
+        return self.course.velocity(time) / self.width * self._along(points, self.profile.deriv()) * tangents[:, :1]
 
     def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
-        """Return the acceleration of the wall's material at ``points``: u du/dx."""
-        return self.speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())
+        """Return the acceleration of the wall's material at ``points``: du/dt + u du/dx."""
+        carried = self.course.velocity(state.time) ** 2 / self.width * self.profile * self.profile.deriv()
+        return self._along(points, self.course.acceleration(state.time) * self.profile + carried)
 
 
 def gap(one: Body, other: Body, time: float = 0.0, points: int = POINTS) -> float:

@@ -2,6 +2,7 @@
 
 * ``WallMotion``: each component of a velocity is constant, or oscillates, from t = 0 on.
 * ``Schedule``: the velocity of a wall is given at some times, and is linear in between.
+* ``SmoothSchedule``: the same with cubic splines in between, for a wall that slides along itself.
 * ``StressControlledWall``: a shear stress drives a plane wall, a plate without inertia or with it.
 * ``FreeMotion``: the flow carries a body, and the scheme solves for its motion step by step. Velocities of the centre
   and around it at the ends of the last steps define a polynomial in time; the displacement is its integral. Therefore
@@ -316,6 +317,34 @@ class Schedule:
     def penetration_depth(self, kinematic_viscosity: float) -> float:
         """Return infinity: nothing oscillates."""
         return np.inf
+
+
+@dataclass(frozen=True)
+class SmoothSchedule:
+    """Velocity from t = 0 on: ``velocities`` [length/time] at ``times``, a cubic spline in between.
+
+    It is constant before the first of the times and after the last; the spline begins and ends without a slope.
+    """
+
+    oscillates: ClassVar[bool] = True
+    jump_times: ClassVar[tuple[float, ...]] = ()
+
+    times: tuple[float, ...]
+    velocities: tuple[float, ...]
+
+    @cached_property
+    def _spline(self) -> Any:
+        from scipy.interpolate import CubicSpline  # a fifth of a second to import, which only some runs need
+
+        return CubicSpline(self.times, self.velocities, bc_type="clamped")
+
+    def velocity(self, t: TimeLike) -> np.ndarray:
+        """Return the velocity at time(s) ``t``."""
+        return self._spline(np.clip(t, self.times[0], self.times[-1]))
+
+    def acceleration(self, t: TimeLike) -> np.ndarray:
+        """Return the time derivative of the velocity [length/time^2] at time(s) ``t``."""
+        return self._spline(np.clip(t, self.times[0], self.times[-1]), 1)
 
 
 @dataclass(frozen=True)

@@ -10,20 +10,30 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import model_validator
 
 from tisph.config import schema
-from tisph.config.base import Model, Positive, Problem, Signed, refuse
-from tisph.config.motion import SlipLength, Spacing, frictionless_findings, slip_length_of
+from tisph.config.base import Model, Positive, Problem, Signed, findings, refusals, refuse
+from tisph.config.motion import (
+    SlipLength,
+    Spacing,
+    Times,
+    Values,
+    check_as_many,
+    check_schedule,
+    frictionless_findings,
+    slip_length_of,
+)
 from tisph.config.schema import is_whole
 from tisph.exact.cavity import LID, CentreLine, RegularCavity, centre_lines
 from tisph.exact.cavity import extremes as tabulated_extremes
 from tisph.exact.sliding_corner import CornerSingularity
 from tisph.geometry.body import Body, SlidingWall
 from tisph.geometry.line import Line
+from tisph.geometry.motion import Schedule, SmoothSchedule, WallMotion
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.flow import Size
 from tisph.measures.steadiness import followed, steadiness
@@ -65,7 +75,8 @@ POINTS = 401
 class Cavity(BodyScene):
     """The box 0 <= x <= ``width``, 0 <= y <= ``height`` under a lid; all quantities in the config's units.
 
-    ``velocity``: velocity of a sharp lid, or of the middle of a ``regular`` one. ``slip_lengths``: of the ``bodies``.
+    ``velocity``: velocity of a sharp lid, or of the middle of a ``regular`` one; of a lid that changes its velocity the
+    one of the largest size. ``varying``: velocity in time of such a lid. ``slip_lengths``: of the ``bodies``.
     """
 
     width: float
@@ -73,6 +84,7 @@ class Cavity(BodyScene):
     velocity: float
     regular: bool
     slip_lengths: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    varying: Schedule | SmoothSchedule | None = None
 
     periodic = (False, False)
     names = ("bottom", "right", "lid", "left")
@@ -85,7 +97,8 @@ class Cavity(BodyScene):
             **cls.fluid_of(config),
             width=config.geometry.width,
             height=config.geometry.height,
-            velocity=config.walls.lid.velocity,
+            velocity=config.walls.lid.largest_velocity,
+            varying=config.walls.lid.varying,
             regular=config.walls.lid.profile == "regular",
             slip_lengths=config.walls.slip_lengths,
         )
@@ -94,6 +107,20 @@ class Cavity(BodyScene):
     def extent(self) -> tuple[float, float]:
         """Width and height."""
         return self.width, self.height
+
+    @property
+    def course(self) -> WallMotion | Schedule | SmoothSchedule:
+        """Velocity in time of a sharp lid, or of the middle of a regular one."""
+        return self.varying or WallMotion(self.velocity)
+
+    @property
+    def jump_times(self) -> tuple[float, ...]:
+        """Times above 0 at which the velocity of the lid, or its slope, jumps."""
+        return tuple(self.course.jump_times)
+
+    def _part(self, t: Any) -> Any:
+        """Return the velocity of the lid at ``t`` over ``velocity``."""
+        return self.course.velocity(t) / self.velocity
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -105,7 +132,7 @@ class Cavity(BodyScene):
         return (
             Body(Line((0.0, 0.0), (1.0, 0.0), width), slip_length=bottom),
             Body(Line((width, 0.0), (0.0, 1.0), height), slip_length=right),
-            SlidingWall(lid, slip_length=top, speed=self.velocity, width=width, profile=profile),
+            SlidingWall(lid, slip_length=top, course=self.course, width=width, profile=profile),
             Body(Line((0.0, height), (0.0, -1.0), height), slip_length=left),
         )
 
@@ -181,6 +208,7 @@ class Cavity(BodyScene):
             return Reference(sources, assumptions | {"the steady state": True})
         assumptions[f"a height up to {LARGEST_ASPECT:g} widths"] = self.height <= LARGEST_ASPECT * self.width
         if self.inertia:
+            assumptions["a lid of constant velocity, or no inertia"] = self.varying is None
             largest = f"a Reynolds number of the lid up to {LARGEST_REYNOLDS:g}"
             assumptions |= {largest: self._lid_reynolds <= LARGEST_REYNOLDS, "the steady state": True}
         return Reference("spectral solution" if self.inertia else "Stokes flow (spectral solution)", assumptions)
@@ -226,10 +254,10 @@ class Cavity(BodyScene):
         u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
         viscous_time = max(self.extent) ** 2 / self.kinematic_viscosity
-        decayed = self._lid_reynolds <= SLOW and snapshot.t >= DECAYED * viscous_time
+        decayed = not self.varying and self._lid_reynolds <= SLOW and snapshot.t >= DECAYED * viscous_time
         known = steadiness(self, snapshot.t, followed(series)).steady or decayed or not self.inertia
         exact = self.extremes() if known else {}  # found in a second
-        references = {f"{name}_exact": exact.get(name) for name in numbers}
+        references = {f"{name}_exact": self._part(snapshot.t) * exact[name] if exact else None for name in numbers}
         errors = self._errors(snapshot) if known else {}
         others = planar_diagnostics(self, snapshot)[1]
         if self.corners:
@@ -253,7 +281,12 @@ class Cavity(BodyScene):
     def _errors(self, snapshot: Snapshot) -> dict[str, Any]:
         """Return the errors of a steady state against the reference."""
         if self._exact:
-            return velocity_errors(self, snapshot, *self._exact.velocity(snapshot.x, snapshot.y))
+            part = self._part(snapshot.t)
+            if not part:
+                return {}
+            return velocity_errors(
+                self, snapshot, *(part * each for each in self._exact.velocity(snapshot.x, snapshot.y))
+            )
         differences = [
             self.lines(snapshot, self._along_lid(table))["uv".index(table.component)] / self.velocity - table.value
             for table in self._tables
@@ -283,7 +316,7 @@ class Cavity(BodyScene):
         return [
             ("Reynolds number", f"{self.reynolds:.6g}  (U W / nu, W the width)"),
             *given,
-            ("velocity of the lid", f"{self.velocity:.6g} {length}/{time}, {kind}"),
+            ("velocity of the lid", f"{'up to ' if self.varying else ''}{self.velocity:.6g} {length}/{time}, {kind}"),
             ("kinematic viscosity nu", f"{self.kinematic_viscosity:.6g} {length}^2/{time}"),
             ("cavity", f"{self.width:.6g} x {self.height:.6g} {length}"),
             ("reference", str(self.reference)),
@@ -302,7 +335,7 @@ class Cavity(BodyScene):
         reference: dict[str, Any] = {}
         if flow:
             scale = self.reference_velocity, self.velocity_name("speed of the lid")
-            exact = lambda x, y, t: flow.velocity(x, y)["uv".index(field)]  # noqa: E731
+            exact = lambda x, y, t: self._part(t) * flow.velocity(x, y)["uv".index(field)]  # noqa: E731
             name = "steady" if self.inertia else "Stokes flow"
             reference = {"exact": exact, "scale": scale, "reference": name, "steady": True}
         elif tables:
@@ -327,20 +360,51 @@ class Geometry(Model):
 class Lid(Model):
     """Velocity along x of the lid y = height [length/time]: of the whole lid (sharp), or of its middle (regular).
 
+    A constant ``velocity``, or ``velocities`` at ``times``: linear in between, with a jump where two times are equal,
+    or a cubic spline if ``smooth``; constant before and after.
+
     ``slip_length`` and ``spacing``: see ``config/motion.py``.
     """
 
-    unset_keys = ("slip_length", "spacing")
+    speed_key: ClassVar[str] = "velocity"
+    exclusive_keys = ("velocity", "velocities")
+    unset_keys = ("times", "smooth", "slip_length", "spacing")
 
-    velocity: Signed
+    velocity: Signed | None = None
+    times: Times | None = None
+    velocities: Values | None = None
+    smooth: bool | None = None
     profile: Literal["sharp", "regular"] = "sharp"
     slip_length: SlipLength | None = None
     spacing: Spacing = None
 
     @model_validator(mode="after")
     def _check_friction(self) -> "Lid":
-        refuse(frictionless_findings(self, ("velocity",)))
+        refuse(frictionless_findings(self, ("velocity", "velocities")))
         return self
+
+    @model_validator(mode="after")
+    def _check_times(self) -> "Lid":
+        if self.velocities is None:
+            refuse(findings(self, ("times", "smooth"), "is only for a lid with velocities at times"))
+            return self
+        check_as_many(self, "velocities")
+        check_schedule(self, "velocities")
+        if self.smooth and len(set(self.times or ())) < len(self.velocities):
+            raise refusals([(("smooth",), "must be left out where the velocity jumps", self.smooth)])
+        return self
+
+    @property
+    def varying(self) -> Schedule | SmoothSchedule | None:
+        """Velocity in time; None for a constant one."""
+        if self.velocities is None or self.times is None:
+            return None
+        return (SmoothSchedule if self.smooth else Schedule)(self.times, self.velocities)
+
+    @property
+    def largest_velocity(self) -> float:
+        """The velocity of the largest size."""
+        return max(self.velocities or (self.velocity or 0.0,), key=abs)
 
 
 class Side(Model):
@@ -403,6 +467,11 @@ class Config(schema.Config):
             if getattr(self.walls, side) and getattr(self.walls, side).slip_length:
                 text = "must be left out under a sharp lid without slip: the flow in its corners is known without slip"
                 yield f"walls.{side}.slip_length", text
+        if self.singular and self.walls.lid.velocities:
+            text = (
+                "must be left out under a sharp lid without slip: the flow in its corners is known for a constant one"
+            )
+            yield "walls.lid.velocities", text
         if self.walls.lid.velocity == 0:
             yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
 

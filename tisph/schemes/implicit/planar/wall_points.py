@@ -246,7 +246,7 @@ class WallPoints:
             if isinstance(body, SlidingWall):
                 order = np.argsort(boundary.point[:, 0])
                 for age, gone in enumerate(elapsed):
-                    there = body.departure_point(boundary.point, gone)[:, 0]
+                    there = body.departure_point(boundary.point, gone, time)[:, 0]
                     chosen, weights = nearest_weights(boundary.point[order, 0], there)
                     result[age][:, part] = np.sum(values[age][:, part][:, order][:, chosen] * weights, axis=1)
         return result

@@ -1,5 +1,6 @@
 """Polymer stress in two-dimensional flow: along particles and walls, and of weak vortices in a box."""
 
+import itertools
 import math
 import re
 from dataclasses import replace
@@ -15,6 +16,7 @@ from same_bits import check_resuming, check_threads, state
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+import tisph
 from tisph import runtime
 from tisph.errors import DivergedError
 from tisph.exact._fluids import ViscoelasticFluid
@@ -133,6 +135,34 @@ def test_no_waves_run_upstream_of_a_front_that_a_lid_carries():
         values = lid.carried(values, np.array([1e-3]), 0.0)
         front += 1e-3 * lid.bodies[0].velocity(np.array([[front, 1.0]]))[0, 0]
     assert np.abs(values[0, 0, place < front - 8 / 32]).max() < 0.05
+
+
+@pytest.mark.parametrize(("stretch", "most"), [(100.0, 3), (1000.0, 14)])
+def test_outer_iterations_converge_however_far_the_polymer_is_stretched(stretch, most):
+    """2 and 11 iterations. By the response of a polymer at rest their changes grow from the eighth on, and at once."""
+    rheology = {"type": "oldroyd_b", "relaxation_time": 1.0, "solvent_fraction": 0.5}
+    config = {
+        "scene": "cavity",
+        "fluid": {"density": 1.0, "kinematic_viscosity": 1.0, "inertia": False, "rheology": rheology},
+        "geometry": {"width": 1.0, "height": 1.0},
+        "walls": {"lid": {"velocity": 1.0, "profile": "regular"}},
+        "discretisation": {"particles_across": 12},
+        "time": {"end": 1.0},
+        "output": {"video": None},
+        "runtime": {"threads": 1},
+    }
+    with tisph.Simulation(config) as simulation:
+        simulation.run_until(0.1)
+        scheme = simulation.scheme
+        states = scheme.extra_stress.states
+        before = states.copy()
+        states[...] = 0.0
+        states[:, 0] = np.log(stretch)
+        scheme.attempt(0.02)
+        states[...] = before
+        changes = scheme.equations.velocity_changes
+    assert len(changes) <= most
+    assert all(after < before for before, after in itertools.pairwise(changes))
 
 
 def sliding_lid(spacing):

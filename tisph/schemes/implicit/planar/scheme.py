@@ -121,7 +121,7 @@ class PlanarScheme(ControlledScheme):
         near_walls: tuple[Any, ...] = (MAX_WALLS, bool(problem.contact), walls.across_axis) if walls else ()
         self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)  # type: ignore[misc]
         self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
-        self.extra_stress = extra_stress_of(problem, self.levels)
+        self.extra_stress = extra_stress_of(problem, self.levels, coupled)
         precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
         rounding = limits.ROUNDING * precision
         self.boundary, self.couplings = boundary_of(
@@ -565,12 +565,12 @@ class PlanarScheme(ControlledScheme):
             coupling.restore_host_state(its)
 
 
-def extra_stress_of(problem: Problem, levels: TimeLevels) -> ExtraStress:
-    """Return the extra stress of a fluid."""
+def extra_stress_of(problem: Problem, levels: TimeLevels, coupled: bool) -> ExtraStress:
+    """Return the extra stress of a fluid; ``coupled``: whether velocities and pressure are solved for together."""
     if problem.rheology is None:
         return ExtraStress(levels)
     if problem.carries_stress:
-        return ViscoelasticStress(levels, problem)
+        return ViscoelasticStress(levels, problem, local=coupled)
     return GeneralisedNewtonianStress(levels, problem)
 
 

@@ -11,7 +11,10 @@ D = (L + L^T)/2 and
     nu* = sum over the modes of (nu_p/lambda) dt / (gamma_0 + dt/lambda).
 
 So the momentum equation is solved with the viscosity nu_s + nu*, by the same operators and solvers as without polymer,
-and with the force div (S - 2 nu* D), in which that part of S has cancelled. Gradients of S are gradients of P times
+and with the force div S - 2 nu* div D, in which that part of S has cancelled. A stretched polymer responds more along
+its longest axis, by the largest eigenvalue of A, and less across. Where velocities and pressure are solved for
+together, nu* of each point is the mean of both responses, nu* at rest times tr A/2: an outer iteration then reduces the
+error of the one before, whatever A and dt are. Gradients of S are gradients of P times
 dS/dP: near walls S rises by orders of magnitude within a few spacings, and P does not. S is first computed from the
 extrapolated velocities, and then from the velocities found with it: these two outer iterations have to resolve the
 advection and the stretching of the present stress. Points on walls belong to the fluid, and carry a stress like any
@@ -86,11 +89,13 @@ class ViscoelasticStress(ExtraStress):
     """``tensors`` (fluid): P of all modes at the ends of the last steps, newest first.
 
     In axisymmetric flow components of P are divided by ``powers`` of the radius there, in pairs with their indices.
+    ``local``: whether each point has its own nu*, the ``response`` of its polymer; else that is 1, and ``viscosity`` is
+    nu* at rest.
     """
 
     nonlinear, resolution_name = True, "steepest"
 
-    def __init__(self, levels: TimeLevels, problem: Problem) -> None:
+    def __init__(self, levels: TimeLevels, problem: Problem, local: bool) -> None:
         self.levels, self.operators, self.points = levels, levels.operators, levels.points
         self.walls = problem.walls
         self.origin, self.spacing = problem.origin, problem.spacing
@@ -114,6 +119,9 @@ class ViscoelasticStress(ExtraStress):
         self.implicit_stress = ti.field(ti.types.vector(self.stress_numbers, real()), self.points.slots + 1)
         self.stress_divergence = ti.field(ti.types.vector(levels.components, real()), self.points.capacity)
         self.fields, self.viscosity, self.parts = (self.tensors,), 0.0, {"polymer": self}
+        self.local, self.response = local, ti.field(real(), self.points.capacity)
+        self.response.used = None
+        view(self.response)[...] = 1.0
         scratch = self.gradient, self.implicit_stress, self.stress_divergence
         for field in (*scratch, self.current, self.current_d_dx, self.current_d_dy):
             field.used = None
@@ -182,7 +190,23 @@ class ViscoelasticStress(ExtraStress):
         rows = [2.0 * xx, (xy + yx) / radius, 2.0 * yy, *(2.0 * tt for tt in rest[:1])]
         if self.swirls:
             rows += [rest[1] / radius, rest[2] / radius**2]
-        return self.viscosity * np.stack(rows)
+        return (1.0 if self.local else self.viscosity) * np.stack(rows)
+
+    def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
+        """Return the ``viscosity`` of the step with the response of the stretched polymer in place of that at rest."""
+        if not self.local:
+            return super().local_viscosities(viscosity, points)
+        return viscosity - self.viscosity + view(self.response)[:points].astype(float)
+
+    def set_response(self) -> None:
+        """Set nu* of each point by its conformation: nu* at rest times 1 + (tr A - tr 1)/2."""
+        response = 0.0
+        for law, part in self.modes:
+            excess = self.modes.excess(self.state[part])
+            stretch = 0.5 * (excess[0] + excess[2] + (excess[3] if self.axisymmetric else 0.0))
+            at_rest = law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time)
+            response = response + at_rest * (1.0 + np.maximum(stretch, 0.0))
+        view(self.response)[: self.points.fluid] = response
 
     def differentiated(self) -> np.ndarray:
         """Return P as it is differentiated."""
@@ -224,6 +248,8 @@ class ViscoelasticStress(ExtraStress):
         self.viscosity = sum(
             law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time) for law in self.modes.laws
         )
+        if self.local:
+            self.set_response()
         if self.source:
             self.produced = np.stack(self.source(*self.all_places, time))[: len(self.state)]
 
@@ -338,8 +364,10 @@ class ViscoelasticStress(ExtraStress):
         As the momentum equation has it: S, with the change of the strain since then times nu*.
         """
         implicit = self.times_radius(view(self.implicit_stress)[: self.points.fluid].T.astype(float), self.radius)
-        stress = self.present_wall_stress() - self.traction_rows(implicit[:, self.points.in_fluid :])
-        return stress + self.viscosity * strain
+        viscosity = self.local_viscosities(self.viscosity, self.points.fluid)[self.points.in_fluid :]
+        factor = viscosity if self.local else 1.0
+        stress = self.present_wall_stress() - factor * self.traction_rows(implicit[:, self.points.in_fluid :])
+        return stress + viscosity * strain
 
     def traction_rows(self, stress: np.ndarray) -> np.ndarray:
         """Return the components of a stress that tractions are made of: xx, xy, yy, in axisymmetric flow xt and yt."""
@@ -386,7 +414,7 @@ class ViscoelasticStress(ExtraStress):
         for i in range(self.points.particles[None]):
             d_dx, d_dy = gradients(self.operators, self.implicit_stress, i)
             implicit = self.levels.coordinates.divergence(i, self.implicit_stress, 0, d_dx, d_dy)
-            forcing[i] += dt * (self.stress_divergence[i] - implicit)
+            forcing[i] += dt * (self.stress_divergence[i] - self.response[i] * implicit)
 
     @ti.kernel
     def level_gradients(self):

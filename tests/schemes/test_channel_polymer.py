@@ -210,3 +210,18 @@ def test_an_impulse_moves_no_fluid_faster_than_the_wall(layers, elasticity, boun
     exact = found.channel.exact_velocity(found.heights, 0.1)
     # Wi = 0.1; measured: 7.7e-6, without any impulse 2.5e-4, and 1.2e-3
     assert np.linalg.norm(found.velocity - exact) < bound * np.linalg.norm(exact)
+
+
+def test_a_step_too_long_for_the_stress_is_tried_again(make):
+    """Beside a later rate of 100 velocities have no error, and steps grow until the stress of a step has no value."""
+    fluid = (
+        "{type: phan_thien_tanner, relaxation_time: 1.0, solvent_fraction: 0.5, extensibility: 0.05, form: exponential}"
+    )
+    slow = (
+        f"fluid={{density: 1.0e-8, dynamic_viscosity: 2.0, rheology: {fluid}}}",
+        "time={end: 20.0, tolerance: 1.0e-5}",
+    )
+    ramp = "walls.top={times: [0.0, 1.0, 20.0, 21.0], velocities: [0.0, 0.1, 0.1, 100.0]}"
+    scheme = make(*slow, ramp, "discretisation.particles_across=10", "geometry={gap: 1.0, length: 1.4}")
+    last = run(scheme)
+    assert last.stress_xy == pytest.approx(0.0999002, rel=1e-5)

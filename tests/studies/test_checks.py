@@ -320,6 +320,33 @@ def test_measures_of_histories_are_those_of_a_wave(tmp_path, monkeypatch):
     assert measures.peak(run, number="lift", between=[1.15, 1.35], when=True) == pytest.approx(1.25, abs=1e-3)
 
 
+def test_means_of_particles_are_compared_sample_by_sample(monkeypatch):
+    """A stress of 3 (0.4 sin t + 0.5 cos t) + its third harmonic on average, over half a period."""
+    t = np.pi * np.arange(8) / 8
+    stress = 3.0 * (0.4 * np.sin(t) + 0.5 * np.cos(t)) + 0.2 * np.cos(3.0 * t)
+    arrays = {f"sample_{k:03d}/stress_xy": value + np.array([-1.0, 1.0]) for k, value in enumerate(stress)}
+    monkeypatch.setattr(Result, "arrays", lambda self: arrays)
+    run = ended(*({"t": time} for time in t))
+    assert measures.particles_off(run, number="2*stress_xy", expected=[3.4, *7 * [None]]) == pytest.approx(
+        0.0, abs=1e-12
+    )
+    assert measures.particles_off(run, number="stress_xy", expected=[*7 * [None], 1.01 * stress[7]]) > 9e-3
+    assert measures.mean_of_particles(run, number="stress_xy") == pytest.approx(stress.mean())
+    given = {"number": "stress_xy", "amplitude": 3.0}
+    assert measures.modulus_off(run, **given, expected=[0.4, 0.5]) == pytest.approx(0.0, abs=1e-12)
+    assert measures.modulus_off(run, **given, expected=[0.41, 0.5]) == pytest.approx(0.02)
+
+
+def test_a_mode_has_the_rate_and_frequency_of_its_energy(tmp_path, monkeypatch):
+    t = np.linspace(0.0, 100.0, 400)
+    history = {"t": t, "energy": 1e-9 * np.exp(0.02 * t) * (2.0 + np.cos(0.4 * t + 0.3))}
+    monkeypatch.setattr(measures, "open_run", lambda folder: SimpleNamespace(history=history))
+    run, given = Result(tmp_path, {"status": "done", "samples": []}), {"number": "energy", "since": 20.0}
+    assert measures.mode_off(run, **given, rate=0.01, frequency=0.2) == pytest.approx(0.0, abs=1e-8)
+    assert measures.mode_off(run, **given, rate=0.02, frequency=0.2) == pytest.approx(0.05)
+    assert measures.mode_off(run, **given, rate=0.01, frequency=0.21) == pytest.approx(0.01 / 0.21)
+
+
 def test_the_limit_of_a_number_is_linear_in_its_parameter():
     runs = [ended({"y": 3.0 + 0.4}), ended({"y": 3.0 + 0.2})]
     assert measures.limit(*runs, number="y") == pytest.approx(3.0)

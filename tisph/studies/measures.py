@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import simpson
 from scipy.interpolate import CubicSpline
+from scipy.optimize import least_squares
 
 from tisph import scenes
 from tisph.measures.channel import integral
@@ -44,6 +45,30 @@ def largest_velocity(result: Result, *, off: float, scale: float) -> float:
     fluid = [arrays[f"{last}/u"] - off, arrays[f"{last}/v"]]
     bodies = [result.bodies("velocity")[-1] - [off, 0.0], result.bodies("angular_velocity")[-1]]
     return max(np.abs(each).max() for each in (*fluid, *bodies)) / scale
+
+
+def particles_off(result: Result, *, number: str, expected: Sequence[float | None]) -> float:
+    """Return the largest relative difference of a mean over the particles from its ``expected`` values at the samples.
+
+    ``number``: an expression of fields of a sample, such as stress_xx - stress_yy; each field is averaged. Samples
+    without an expected value (null) are not judged.
+    """
+    return float(np.nanmax(np.abs(_means(result, number) / np.array(expected, dtype=float) - 1.0)))
+
+
+def mean_of_particles(result: Result, *, number: str) -> float:
+    """Return the mean over the particles of a ``number`` (see ``particles_off``) at all samples."""
+    return float(_means(result, number).mean())
+
+
+def modulus_off(result: Result, *, number: str, amplitude: float, expected: Sequence[float]) -> float:
+    """Return the largest difference of G' and G'' of a ``number`` (see ``particles_off``) from ``expected``, over G''.
+
+    number = amplitude (G' sin t + G'' cos t) + higher odd harmonics; samples are evenly spaced over half a period.
+    """
+    t, values = _series(result, "t"), _means(result, number)
+    found = [2.0 * np.mean(values * wave(t)) / amplitude for wave in (np.sin, np.cos)]
+    return float(np.abs(np.subtract(found, expected)).max() / expected[1])
 
 
 def pair_off(result: Result, *, field: str, expected: ArrayLike, scale: float) -> float:
@@ -177,6 +202,23 @@ def angular_momentum_off(result: Result) -> float:
     return abs(after - before + sum(impulses)) / np.abs(impulses).max()
 
 
+def mode_off(result: Result, *, number: str, since: float, rate: float, frequency: float) -> float:
+    """Return the difference of a mode from a growth ``rate`` and an angular ``frequency``, over the frequency.
+
+    Its energy is a ``number`` of history.csv: e^(2 rate t) (a + b cos(2 frequency t) + c sin(2 frequency t)), fitted
+    from the time ``since`` on to equal relative errors.
+    """
+    time, values = _history(result, number, since)
+
+    def residual(root: np.ndarray) -> np.ndarray:
+        swing = np.stack([np.ones_like(time), *(wave(2.0 * root[1] * time) for wave in (np.cos, np.sin))], axis=1)
+        scaled = values * np.exp(-2.0 * root[0] * (time - time[0]))
+        return swing @ np.linalg.lstsq(swing, scaled, rcond=None)[0] / scaled.mean() - scaled / scaled.mean()
+
+    found = least_squares(residual, [rate, frequency], x_scale=frequency).x
+    return float(np.hypot(*(found - [rate, frequency])) / frequency)
+
+
 def critical_value(*results: Result, at: Sequence[float], expected: float) -> float:
     """Return the relative error of the Reynolds number at which the growth rate is 0.
 
@@ -241,6 +283,9 @@ MEASURES: dict[str, Callable[..., float]] = {
         resolved_samples,
         largest,
         largest_velocity,
+        particles_off,
+        mean_of_particles,
+        modulus_off,
         pair_off,
         time_difference,
         history_error,
@@ -255,6 +300,7 @@ MEASURES: dict[str, Callable[..., float]] = {
         momentum_of_all,
         momentum_of_bodies,
         angular_momentum_off,
+        mode_off,
         critical_value,
         drag_off_table,
         intrinsic_viscosity_off,
@@ -268,6 +314,16 @@ def _series(result: Result, number: str) -> np.ndarray:
     """Return the values of a number at all samples."""
     expression = Number(number, "with")
     return np.array([expression(result, sample) for sample in result.summary["samples"]], dtype=float)
+
+
+def _means(result: Result, number: str) -> np.ndarray:
+    """Return the values of an expression of the fields' means over the particles, at all samples."""
+    expression, arrays = Number(number, "with"), result.arrays()
+    samples: dict[str, dict[str, float]] = {}
+    for key in sorted(arrays):
+        sample, _, field = key.partition("/")
+        samples.setdefault(sample, {})[field] = float(arrays[key].mean())
+    return np.array([expression(result, means) for means in samples.values()])
 
 
 def _history(result: Result, number: str, since: float) -> tuple[np.ndarray, np.ndarray]:

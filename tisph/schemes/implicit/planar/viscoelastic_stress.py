@@ -326,6 +326,8 @@ class ViscoelasticStress(ExtraStress):
         self.find(velocity)
         self.states[1:] = self.times_radius(self.states[:-1].copy(), self.ratio)
         self.states[0] = self.differentiated()
+        if self.given_gradient:  # P is not differentiated
+            return 0.0, 0.0, 0.0
         self.level_gradients()
         change, x, y = self.log_jump()
         if not change < MAX_LOG_JUMP:

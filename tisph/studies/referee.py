@@ -60,7 +60,7 @@ TENTH = 0.1
 EXPLAINS = 0.3
 """A change explains a difference if no more than this part of it remains, as in ``assessment/diagnosis.py``."""
 
-MOST_POINTS, MOST_TIMES = 2000, 20
+MOST_POINTS, MOST_TIMES = 500, 20
 """Most points of a time, and most times, that are compared; of more data so many are chosen evenly."""
 
 WALL = 0.25

@@ -439,6 +439,8 @@ def explanations(source: Referee, findings: Sequence[Finding]) -> list[Explanati
         return math.sqrt(max(float(values @ values) - scatter**2, 0.0))
 
     error = systematic(residual)
+    if not error or not any(np.any(each.quantity.reference) for each in judged):  # scatter alone, or a flow at rest
+        return []
     tried = []
     for name, words, derivatives in _changes(source, [each.quantity for each in judged]):
         matrix = np.stack([stacked(each) for each in derivatives], axis=1)

@@ -271,8 +271,9 @@ class SlidingWall(Body):
 
     def point_acceleration(self, points: np.ndarray, state: BodyState) -> np.ndarray:
         """Return the acceleration of the wall's material at ``points``: du/dt + u du/dx."""
-        carried = self.course.velocity(state.time) ** 2 / self.width * self.profile * self.profile.deriv()
-        return self._along(points, self.course.acceleration(state.time) * self.profile + carried)
+        speed, acceleration = self.course.velocity(state.time), self.course.acceleration(state.time)
+        carried = speed**2 / self.width * self._along(points, self.profile * self.profile.deriv())
+        return carried + acceleration * self._along(points, self.profile)
 
 
 def gap(one: Body, other: Body, time: float = 0.0, points: int = POINTS) -> float:

@@ -203,7 +203,9 @@ class ViscoelasticStress(ExtraStress):
         response = 0.0
         for law, part in self.modes:
             excess = self.modes.excess(self.state[part])
-            stretch = 0.5 * (excess[0] + excess[2] + (excess[3] if self.axisymmetric else 0.0))
+            # a polymer that swirl has stretched around the axis responds to no gradient of the velocity along it
+            around = excess[3] if self.axisymmetric and not self.swirls else 0.0
+            stretch = 0.5 * (excess[0] + excess[2] + around)
             at_rest = law.modulus * self.duration / (1.0 + self.duration / law.relaxation_time)
             response = response + at_rest * (1.0 + np.maximum(stretch, 0.0))
         view(self.response)[: self.points.fluid] = response

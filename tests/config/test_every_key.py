@@ -412,6 +412,7 @@ REFUSALS = [
     ("cavity: first", "discretisation.smoothing_ratio", 1.2, "no smoothing kernel: leave it out"),
     ("channel: implicit", "scheme.largest_courant", 0.5, "whose steps have a largest_strain"),
     ("cavity: regular", "scheme.largest_strain", 0.6, "whose steps have a largest_courant"),
+    ("channel: implicit", "scheme.error_ratio", 0.5, "is for two-dimensional flow"),
     ("channel: Courant number", "time.tolerance", 1e-5, "does nothing beside time.cfl"),
     ("channel: Courant number", "scheme.accuracy", "high", "does nothing beside time.cfl"),
     ("region: first", "scheme.type", "wcsph", "no wall treatment for scene region"),

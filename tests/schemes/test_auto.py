@@ -49,6 +49,16 @@ def test_the_steps_are_those_of_the_documentation(name, liquid, accuracy, steps)
     assert reason.endswith(f"accuracy, {steps} a step")
 
 
+def test_balanced_steps_of_two_dimensional_flow_follow_the_error_of_the_spacing():
+    def error_ratio(name, *overrides):
+        return schemes.resolve(load(CONFIGS / f"{name}.yaml", overrides))[0].scheme.error_ratio
+
+    assert error_ratio("taylor_green") == error_ratio("cylinder_in_stream") == 2 / 3
+    chosen = "time.tolerance=1e-6", "scheme={type: auto, accuracy: fast}", "scheme={type: auto, accuracy: high}"
+    assert [error_ratio("taylor_green", override) for override in chosen] == [None, None, None]
+    assert error_ratio("free_cylinder") is error_ratio("couette") is None
+
+
 @pytest.mark.parametrize(("liquid", "tolerance"), [((), 3e-5), ((POLYMER,), 1e-5)])
 def test_steps_of_free_bodies_do_not_depend_on_particles_across(liquid, tolerance):
     """As docs/theory/two-dimensional.md says: errors of the spacing are those of the bodies."""

@@ -18,6 +18,13 @@ from tisph.schemes._step_control import (
     StepControl,
     StepPlan,
 )
+from tisph.schemes.implicit.planar.step_limits import (
+    SPACING_ERROR,
+    TIME_ERROR,
+    TIME_POWER,
+    TOLERANCE,
+    balanced_tolerance,
+)
 
 
 def make(start=0.0, targets=(10.0,), first=1.0, largest_strain=1.0, fixed=None):
@@ -216,6 +223,22 @@ def test_the_tolerance_is_at_least_a_share_of_the_spatial_error():
     assert control.accepts(1e-3, 3, dt, 1e-3 / SHARE)
     assert control.choose_dt(0.0) == pytest.approx(0.9 * dt, rel=0.1)  # steps of one length up to the target
     assert not control.accepts(1e-3, 3, dt, 0.0)
+
+
+def test_balanced_tolerances_follow_the_spatial_error():
+    control = make_multistep([1000.0], 1.0, 1e-3)
+    control.balanced = lambda unresolved: unresolved**2
+    for unresolved, accepted in ((1e-3, False), (1e-2, True)):  # tolerances of 1e-6 and 1e-4
+        assert control.accepts(1e-4, 3, control.choose_dt(0.0), unresolved) == accepted
+
+
+@pytest.mark.parametrize(("most", "least"), [(TOLERANCE, 0.1 * TOLERANCE), (3e-5, 0.1 * TOLERANCE), (6e-8, 6e-9)])
+def test_balanced_steps_have_the_wanted_part_of_the_spatial_error(most, least):
+    balanced = balanced_tolerance(most, 0.5)
+    middle = math.sqrt(most * least)
+    unresolved = TIME_ERROR * middle**TIME_POWER / (0.5 * SPACING_ERROR)
+    assert balanced(unresolved) == pytest.approx(middle)
+    assert (balanced(0.0), balanced(1.0)) == pytest.approx((least, most))
 
 
 def test_attempts_are_taken_until_one_is_accepted():

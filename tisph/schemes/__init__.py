@@ -114,8 +114,10 @@ def unused(config: Config, chosen: str, reason: str = "") -> Iterator[Problem]:
         found |= {"discretisation.kernel": text, "discretisation.smoothing_ratio": text}
         one, other = ("strain", "courant") if config.parallel else ("courant", "strain")
         found[f"scheme.largest_{other}"] = f"does nothing in this flow, whose steps have a largest_{one}: leave it out"
+        if config.parallel:
+            found["scheme.error_ratio"] = "is for two-dimensional flow: leave it out"
         if config.time.cfl != "auto":
-            found |= {f"scheme.largest_{one}": beside, "scheme.accuracy": beside}
+            found |= {f"scheme.largest_{one}": beside, "scheme.accuracy": beside, "scheme.error_ratio": beside}
             found |= {} if config.parallel else {"time.tolerance": beside}
     for key, text in found.items():
         section, name = key.split(".")

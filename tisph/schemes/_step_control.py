@@ -71,7 +71,8 @@ class StepControl(Kept):
     scheme measures after each step (a velocity gradient, a velocity). ``fixed``: whether steps are that long whatever
     their error. ``multistep``: whether the method uses values of earlier steps. ``jump_times``: times at which a wall
     velocity, a drive or a body force jumps; up to the last target they are targets as well. ``share``: least error of
-    a step over the error of the spacing (``SHARE``).
+    a step over the error of the spacing (``SHARE``). ``balanced``: function that returns the tolerance for the
+    ``unresolved`` of ``accepts``, at most ``tolerance``; None where the tolerance is always the same.
 
     ``roughness``: mean logarithm of the last differences of velocities from extrapolated ones over those of one order
     less. Differences fall with the order if velocities are smooth in time at the length of a step, and grow if they
@@ -89,10 +90,11 @@ class StepControl(Kept):
         multistep: bool = False,
         jump_times: Iterable[float] = (),
         share: float = SHARE,
+        balanced: Callable[[float], float] | None = None,
     ) -> None:
         self.tolerance = math.inf if tolerance is None else tolerance
         self.limit, self.fixed, self.jump_times, self.multistep = limit, fixed, sorted(jump_times), multistep
-        self.share = share
+        self.share, self.balanced = share, balanced
         self.largest_factor = LARGEST_MULTISTEP_FACTOR if multistep else LARGEST_FACTOR
         self.last_steps = LAST_MULTISTEPS if multistep else LAST_STEPS
         self.dt_next = math.inf
@@ -155,7 +157,7 @@ class StepControl(Kept):
         factor = self.largest_factor
         if not self.fixed:
             least = max(self.share * (unresolved or 0.0), min(ABOVE_SCATTER * self.scatter, LARGEST_SCATTER))
-            ratio = max(error / max(self.tolerance, least), 1e-12)
+            ratio = max(error / max(self.tolerance_for(unresolved), least), 1e-12)
             factor = min(factor, max(SMALLEST_FACTOR, SAFETY * ratio ** (-1 / (order + 1))))
             if ratio > REJECTED:
                 before, self.last_rejected = self.last_rejected, (dt, error)
@@ -168,6 +170,10 @@ class StepControl(Kept):
         if self.multistep or dt >= 0.999 * self.dt_next or factor < 1.0:
             self.dt_next = dt * factor
         return True
+
+    def tolerance_for(self, unresolved: float | None) -> float:
+        """Return the tolerance of a step where the error of the spacing in the velocities is ``unresolved``."""
+        return self.tolerance if self.balanced is None or unresolved is None else self.balanced(unresolved)
 
     def notice_scatter(self, error: float, roughness: float) -> None:
         """Take note of the ``error`` and the ``roughness``, of which -1 to 1 count, of a step that was accepted."""

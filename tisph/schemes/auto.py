@@ -32,6 +32,11 @@ UNESTIMATED_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}
 """Largest Courant number where the error estimate lacks polymer stresses, or paths near a singular corner."""
 
 
+ERROR_RATIO = 2 / 3
+"""Error of balanced steps over the error of the spacing, with which a two-dimensional flow takes least time: its errors
+e_t and e_s = e - e_t cost e_s^(-1/2) particles times e_t^(-1/3) steps."""
+
+
 class Parameters(Model):
     """``accuracy`` of the steps.
 
@@ -95,6 +100,9 @@ def resolve(config: Config) -> tuple[Config, str]:
     elif config.singular:
         wanted = f"{config.scheme.accuracy} accuracy, steps of {limit}"
     else:
+        balanced = two_dimensional and config.scheme.accuracy == "balanced" and not config.has_free_bodies
+        if balanced and time.tolerance == "auto":
+            candidate = candidate.model_copy(update={"error_ratio": ERROR_RATIO})
         time = time if time.tolerance != "auto" else time.model_copy(update={"tolerance": tolerance})
         wanted = f"{config.scheme.accuracy} accuracy, tolerance {time.tolerance:g} and {limit} a step"
     reason = f"implicit, order {candidate.operators.order}: {wanted}"

@@ -13,6 +13,7 @@ interface, ``tisph.Simulation(config, body_force=..., conformation_source=...)``
 Fluids Eng. 124 (2002) 4-10.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
@@ -128,9 +129,11 @@ class Solution:
         return lambda x, y, t: function(left(t) + (x - left(t)) % 1.0, y, t)
 
 
-def config_of(case: str, number: int) -> dict[str, Any]:
-    """Return the config of a case with ``number`` particles across."""
-    own = {"discretisation": {"particles_across": number}, "time": {"end": END, "samples": [END]}}
+def config_of(case: str, number: int, balanced: bool = False) -> dict[str, Any]:
+    """Return the config of a case with ``number`` particles across; ``balanced``: with the steps of scheme auto."""
+    own: dict[str, Any] = {"discretisation": {"particles_across": number}, "time": {"end": END, "samples": [END]}}
+    if balanced:
+        own["time"] |= {"tolerance": "auto", "cfl": "auto"}
     config = merged(*(DATA["configs"][name] for name in ("all", *CASES[case]["config"])), own)
     if case == "rounded":
         config["walls"]["around"]["points"] = _rounded_outline()
@@ -151,11 +154,14 @@ def _rounded_outline(points: int = 120) -> list[list[float]]:
     return (radius * [np.cos(angle), np.sin(angle)]).T.tolist()
 
 
-def run(case: str, number: int) -> tuple[Result, str]:
-    """Return the errors of a run with ``number`` particles across as a ``Result``, and a message if it failed."""
+def run(case: str, number: int, balanced: bool = False) -> tuple[Result, str]:
+    """Return the errors of a run with ``number`` particles across as a ``Result``, and a message if it failed.
+
+    ``balanced``: see ``config_of``.
+    """
     from tisph.simulation.simulation import Simulation  # which starts Taichi
 
-    config, fields, uniform = config_of(case, number), _fields(case), CASES[case].get("uniform", 0.0)
+    config, fields, uniform = config_of(case, number, balanced), _fields(case), CASES[case].get("uniform", 0.0)
 
     def force(x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
         along, *others = fields["force"](x, y, t)
@@ -205,11 +211,27 @@ def _errors(snapshot: Snapshot, fields: dict[str, Callable], reference: Scene | 
 
 def runs(quick: bool) -> dict[str, Callable]:
     """Return functions that run the cases, by the name of the run."""
-    return {
+    found: dict[str, Callable] = {
         name: partial(run, case, number)
         for case in (QUICK if quick else CASES)
         for name, number in _named(case, quick).items()
     }
+    if not quick:
+        found |= {f"{case}_balanced": partial(run, case, CASES[case]["across"][-1], True) for case in _with_parts()}
+    return found
+
+
+def _with_parts() -> list[str]:
+    """Return the cases whose runs have steps shorter than balanced ones: all but slow flow, and scheme wcsph."""
+    return [case for case in CASES if not {"slow", "explicit"} & {*CASES[case]["config"]}]
+
+
+def _part_of_time(balanced: Result, shorter: Result) -> float:
+    """Return the part of the error of the velocity in a run with ``balanced`` steps that ``shorter`` steps remove.
+
+    NaN where a run failed.
+    """
+    return 1.0 - shorter.last["l2"] / balanced.last["l2"] if balanced.last and shorter.last else math.nan
 
 
 def criteria(quick: bool) -> list[Criterion]:
@@ -227,6 +249,9 @@ def bounds(case: str, quick: bool) -> Iterator[Criterion]:
             yield from checks.criteria(entry, {*named})
         order = {"order": quantity, "case": case, "runs": named, "t_star": END, "at_least": least}
         yield from checks.criteria(order, {*named})
+    if not quick and case in _with_parts():
+        pair = f"{case}_balanced", list(named)[-1]
+        yield checks.bounded(case, "part of the steps in the error", DATA["time_part"], _part_of_time, pair)
 
 
 def _named(case: str, quick: bool) -> dict[str, int]:

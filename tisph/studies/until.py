@@ -511,13 +511,15 @@ class Runs:
         """Return name -> difference of the coarsest run from the same with shorter steps, as an error."""
         coarse = self._config(self.coarsest)
         if coarse.time.cfl != "auto":
-            key, value, ratio = "time.cfl", 0.5 * coarse.time.cfl, 0.5
+            shorter, ratio = {"time.cfl": 0.5 * coarse.time.cfl}, 0.5
         elif coarse.time.tolerance != "auto":
-            key, value = "time.tolerance", max(SHORTER * coarse.time.tolerance, 1e-10)
-            ratio = (value / coarse.time.tolerance) ** 0.25
+            shorter = {"time.tolerance": max(SHORTER * coarse.time.tolerance, 1e-10)}
+            ratio = (shorter["time.tolerance"] / coarse.time.tolerance) ** 0.25
+            if getattr(coarse.scheme, "error_ratio", None):  # balanced tolerances are then shorter by the same factor
+                shorter["scheme.error_ratio"] = coarse.scheme.error_ratio * ratio**TIME_ORDER
         else:
-            key, value, ratio = "scheme.largest_courant", 0.5 * coarse.scheme.largest_courant, 0.5
-        changes = self._changes("shorter_steps", coarse, {key: value})
+            shorter, ratio = {"scheme.largest_courant": 0.5 * coarse.scheme.largest_courant}, 0.5
+        changes = self._changes("shorter_steps", coarse, shorter)
         return {name: change / (1.0 - ratio**TIME_ORDER) for name, change in changes.items()}
 
     def end_errors(self) -> dict[str, float]:

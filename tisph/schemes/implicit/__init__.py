@@ -46,12 +46,15 @@ class Parameters(Model):
 
     ``largest_strain``: largest displacement of neighbouring layers along one another in a step, over their distance.
     ``largest_courant``: in two-dimensional flow, largest displacement of a particle in a step, in spacings.
+    ``error_ratio``: there, error of all steps over the error of the spacing as the divergence shows it, towards which
+    the tolerance falls, to a tenth of its value; None where the tolerance stays.
     """
 
     type: Literal["implicit"] = "implicit"
     operators: LeastSquares = LeastSquares()
     largest_strain: Annotated[float, Field(gt=0, le=2)] = 0.5
     largest_courant: Annotated[float, Field(gt=0, le=3)] = 0.3
+    error_ratio: Annotated[float, Field(gt=0)] | None = None
 
 
 def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) -> Scheme:

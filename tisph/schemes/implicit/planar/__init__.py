@@ -66,7 +66,7 @@ def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) 
     """Return the ``PlanarScheme`` of a scene."""
     from tisph.schemes.implicit.planar.scheme import PlanarScheme  # imports Taichi
 
-    return PlanarScheme(problem_of(scene), targets, serial, *_steps(config))
+    return PlanarScheme(problem_of(scene), targets, serial, *_steps(config), config.scheme.error_ratio)
 
 
 def _steps(config: Config) -> tuple[float | None, float]:

@@ -84,8 +84,8 @@ class PlanarScheme(ControlledScheme):
 
     ``targets`` are times that steps end on exactly.
     ``serial`` compiles loops without threads. ``tolerance``: error of a step over the velocity, None for steps of the
-    Courant number alone. The parts of a step are ``levels``, ``boundary``, ``extra_stress`` and ``couplings``
-    (``parts.py``); ``equations`` has the linear systems.
+    Courant number alone. ``error_ratio``: see ``step_limits.step_control``. The parts of a step are ``levels``,
+    ``boundary``, ``extra_stress`` and ``couplings`` (``parts.py``); ``equations`` has the linear systems.
     """
 
     kept = (*ControlledScheme.kept, "dts", "iterations", "initial_momentum", "stress_resolution")
@@ -97,10 +97,11 @@ class PlanarScheme(ControlledScheme):
         serial: bool,
         tolerance: float | None = limits.TOLERANCE,
         courant: float = COURANT,
+        error_ratio: float | None = None,
     ) -> None:
         self.serial, self.initial_momentum = serial, 0.0
         self.coupled = limits.is_slow(problem, courant)
-        self.control = limits.step_control(problem, targets, tolerance, courant)
+        self.control = limits.step_control(problem, targets, tolerance, courant, error_ratio)
         self.tolerance: float = limits.TOLERANCE if tolerance is None else tolerance
         self.exchange, self.insertion = BodyExchange(problem), Insertion(problem)
         self.build(problem)
@@ -122,21 +123,19 @@ class PlanarScheme(ControlledScheme):
         self.shift = FickianShifting(self.points, problem.spacing, *near_walls, ends=problem.open_ends)  # type: ignore[misc]
         self.levels = TimeLevels(self.operators, self.shift, carried_along=not problem.open_ends)
         self.extra_stress = extra_stress_of(problem, self.levels, coupled)
-        precision = float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
-        rounding = limits.ROUNDING * precision
+        rounding = self.rounding
         self.boundary, self.couplings = boundary_of(
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
         self.grid.outlet = self.boundary.outlet
         parts = self.grid, self.boundary, self.extra_stress
-        residuals = limits.residuals(self.tolerance, rounding, bool(problem.open_ends))
         self.equations: Equations
         if problem.kinematics:
-            self.equations = GivenFlow(*parts, residuals)
+            self.equations = GivenFlow(*parts, self.residuals)
         elif coupled:
-            self.equations = Coupled(*parts, residuals, max(limits.TOGETHER, rounding / self.tolerance))
+            self.equations = Coupled(*parts, self.residuals, max(limits.TOGETHER, rounding / self.tolerance))
         else:
-            self.equations = Splitting(*parts, residuals)
+            self.equations = Splitting(*parts, self.residuals)
 
     def reset(self) -> None:
         """Return to the state before the first step."""
@@ -199,6 +198,16 @@ class PlanarScheme(ControlledScheme):
         self.begin_steps()
 
     @property
+    def rounding(self) -> float:
+        """Least residual of the linear systems that rounding allows."""
+        return limits.ROUNDING * float(np.finfo(np.float64 if real() == ti.f64 else np.float32).eps)
+
+    @property
+    def residuals(self) -> list[float]:
+        """Residuals of pressure and velocities for the present ``tolerance``."""
+        return limits.residuals(self.tolerance, self.rounding, bool(self.problem.open_ends))
+
+    @property
     def speed(self) -> float:
         """Velocity that the Courant number of a step refers to, in the largest spacing."""
         return limits.courant_speed(float(view(self.levels.fastest_relative)), self.problem)
@@ -230,6 +239,9 @@ class PlanarScheme(ControlledScheme):
         unresolved = None  # given velocities have no error of the spacing
         if not self.problem.kinematics:
             unresolved = self.levels.divergence_scale * self.problem.spacing / self.error_speed
+        if self.control.balanced:  # residuals of the linear systems are parts of the tolerance
+            self.tolerance = self.control.tolerance_for(unresolved)
+            self.equations.residuals = self.residuals
         dt, error = self.control.take(self.time, self.attempt, unresolved)
         if dt is None and math.isinf(error):
             raise self.diverged("bodies overlap, or no velocities are found for them, whatever the step,")

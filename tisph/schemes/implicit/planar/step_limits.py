@@ -1,7 +1,7 @@
 """Limits of the steps of two-dimensional flow: the Courant number, and a viscous number between walls."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from tisph.measures.flow import FlowInBox
@@ -13,6 +13,19 @@ FlowScales: TypeAlias = FlowInBox | Problem
 
 TOLERANCE = 2e-6
 """Error of a step over the velocity."""
+
+SPACING_ERROR = 9.0
+"""Error of the spacing in the velocities over the root mean square of the divergence times the spacing: between
+cylinders, 28 across (``taylor_couette`` of ``tisph verify manufactured``), 9.9e-6 over 1.1e-6."""
+
+TIME_ERROR, TIME_POWER = 0.25, 0.75
+"""Error of all steps of a run over this power of their tolerance. The number of steps of a method of order p goes as
+tolerance^(-1/(p+1)), so the sum of their errors as tolerance^(p/(p+1)), p = 3. The factor is measured in the same flow,
+with tolerances of 1e-6 and 2e-6."""
+
+LEAST_PART = 0.1
+"""Part of ``TOLERANCE``, or of a smaller tolerance, below which balanced tolerances do not fall: where the flow is
+parallel, or at rest, the divergence says nothing of the error of the spacing. Steps are then 0.56 times as long."""
 
 SMALLEST_SPEED, SMALLEST_SCALE = 0.5, 0.1
 """Parts of the reference velocity below which the Courant number of steps, and their errors, refer to them instead of
@@ -113,17 +126,43 @@ def residuals(tolerance: float, least: float, open_ended: bool) -> list[float]:
     return [max(min(pressure, RESIDUAL_WITH_ENDS), least) if open_ended else pressure, velocity]
 
 
-def step_control(case: FlowScales, targets: Sequence[float], tolerance: float | None, courant: float) -> StepControl:
+def balanced_tolerance(most: float, error_ratio: float) -> Callable[[float], float]:
+    """Return a function that returns the tolerance with which all steps have ``error_ratio`` times the spatial error.
+
+    The argument of that function is the root mean square of the divergence times the spacing, over the velocity.
+    ``most``: the largest tolerance.
+    """
+    least = LEAST_PART * min(most, TOLERANCE)
+    return lambda unresolved: min(
+        most, max(least, (error_ratio * SPACING_ERROR * unresolved / TIME_ERROR) ** (1.0 / TIME_POWER))
+    )
+
+
+def step_control(
+    case: FlowScales,
+    targets: Sequence[float],
+    tolerance: float | None,
+    courant: float,
+    error_ratio: float | None = None,
+) -> StepControl:
     """Return the ``StepControl`` of a run of a flow or scene, the ``case``, to the last of the ``targets``.
 
-    ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. The limit depends on
-    the largest velocity.
+    ``tolerance``: error of a step over the velocity, None where the Courant number alone decides. ``error_ratio``:
+    error of all steps over the error of the spacing, see ``balanced_tolerance``; it has no effect in slow flow. The
+    limit depends on the largest velocity.
     """
     slow = is_slow(case, courant)
     viscous, share = (math.inf, SHARE_TOGETHER) if slow else (viscous_step(case), SHARE)
     limit = lambda speed: min(courant * case.spacing / speed, viscous)  # noqa: E731
+    balanced = None if tolerance is None or error_ratio is None or slow else balanced_tolerance(tolerance, error_ratio)
     control = StepControl(
-        tolerance, limit, fixed=tolerance is None, multistep=True, jump_times=case.jump_times, share=share
+        tolerance,
+        limit,
+        fixed=tolerance is None,
+        multistep=True,
+        jump_times=case.jump_times,
+        share=share,
+        balanced=balanced,
     )
     control.set_targets(targets, case.start_time)
     return control

@@ -25,7 +25,7 @@ ELASTIC_STEPS = {"fast": (1e-4, 1.5), "balanced": (1e-5, 0.7), "high": (3e-7, 0.
 TWO_DIMENSIONAL_STEPS = {"fast": (2e-5, 60.0, 2.0), "balanced": (2e-6, 6.0, 1.0), "high": (3e-7, math.inf, 0.15)}
 """In two-dimensional flow: tolerance of a step, bound of tolerance times (particles across)^4, largest Courant number.
 
-With the fourth power the errors of steps and of the spacing fall alike. In the Taylor-Green vortex at t = 2 the error is
+With the fourth power errors of steps and of the spacing fall alike. In the Taylor-Green vortex at t = 2 the errors are
 4.7e-5 and 3.7e-6 with 50 and 100 across, and 3.0e-5 and 1.3e-6 with ``ERROR_RATIO``."""
 
 UNESTIMATED_COURANT = {"fast": 0.6, "balanced": 0.3, "high": 0.15}

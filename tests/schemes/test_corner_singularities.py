@@ -32,8 +32,8 @@ def cavity(across, reynolds, regular=False, velocity=1.0):
 
 def started(scene, end, courant, velocity=None):
     runtime.start("f64", 1)
-    time = SimpleNamespace(cfl=courant)
-    scheme = _two_dimensional.build(SimpleNamespace(time=time, singular=not scene.regular), scene, [end], True)
+    steps = {"time": SimpleNamespace(cfl=courant), "scheme": SimpleNamespace(error_ratio=None)}
+    scheme = _two_dimensional.build(SimpleNamespace(**steps, singular=not scene.regular), scene, [end], True)
     places = np.stack(scene.jittered(0, 0.2), 1)
     scheme.start(places, np.zeros_like(places) if velocity is None else np.stack(velocity(*places.T), 1))
     return scheme

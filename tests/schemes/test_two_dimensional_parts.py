@@ -78,7 +78,7 @@ def test_every_start_of_an_unknown_flow_costs_its_growing_steps():
     """Steps of 0.02 begin with a fiftieth of that and grow by 1.5: they are as long at t = 0.04."""
     scene = SimpleNamespace(inertia=True, reference_velocity=1.0, bodies=(), rheology=None, spacing=0.1, start_time=0.0)
     scene.axisymmetric, scene.fields, scene.kept_mean_velocity, scene.flows_through = False, (), None, False
-    scene.acceleration = 0.0
+    scene.acceleration, scene.kinematics = 0.0, None
     scene.kinematic_viscosity, scene.reference_length = 0.0, 1.0  # nothing decays
     scene.wanted_spacing = WantedSpacing(0.1)
     found = []

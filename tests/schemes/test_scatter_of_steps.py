@@ -227,9 +227,9 @@ def test_flows_whose_steps_scatter_had_set(name):
 
 SMALL = ["segre_silberberg"]
 LARGE = [
-    "carried_circle", "cavity_oldroyd_b", "confined_cylinder_oldroyd_b", "confined_cylinder_refined", "drafting_kissing_tumbling",
-    "ellipse_refined", "falling_ball", "free_cylinder", "jeffery_orbit", "migration", "oldroyd_b_cylinder_in_stream",
-    "settling_disc", "suspension",
+    "carried_circle", "cavity_oldroyd_b", "confined_cylinder_oldroyd_b", "confined_cylinder_refined",
+    "drafting_kissing_tumbling", "ellipse_refined", "falling_ball", "free_cylinder", "jeffery_orbit", "migration",
+    "oldroyd_b_cylinder_in_stream", "settling_disc", "suspension",
 ]  # fmt: skip
 
 

@@ -153,10 +153,9 @@ def run(
     ``overrides`` are values by dotted key: ``run("couette.yaml", **{"time.end": 1.0, "walls.top.velocity": 0.01})``.
     A folder that is not empty is refused without ``overwrite`` or ``resume`` (go on from the checkpoint there).
     ``until``, such as ``{"drag_coefficient": "0.1%"}``, makes finer and finer runs, in a time ``at_most`` such as
-    10min, and returns the finest one, with error bars in ``results.accuracy``, which ``vary``, such as
-    ``{"geometry.length": 1.25}``, lets count other lengths. ``progress`` shows a bar; nothing else is printed. The run
-    has a process of its own: a Taichi program here is not touched. Raises a class of ``tisph.errors`` with the message
-    of the command line; KeyboardInterrupt, after a checkpoint, by Ctrl-C.
+    10min, and returns the finest one, with error bars in ``results.accuracy``, which count other lengths with ``vary``,
+    such as ``{"geometry.length": 1.25}``. ``progress`` shows a bar; nothing else is printed. The run has a process of
+    its own. Raises a class of ``tisph.errors`` with the message of the command line; KeyboardInterrupt by Ctrl-C.
     """
     with config_file(config) as path, shown(progress) as show:
         options = [part for text in override_texts(overrides) for part in ("--set", text)]

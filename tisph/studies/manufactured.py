@@ -251,7 +251,8 @@ def bounds(case: str, quick: bool) -> Iterator[Criterion]:
         yield from checks.criteria(order, {*named})
     if not quick and case in _with_parts():
         pair = f"{case}_balanced", list(named)[-1]
-        yield checks.bounded(case, "part of the steps in the error", DATA["time_part"], _part_of_time, pair)
+        part = CASES[case].get("time_part", DATA["time_part"])
+        yield checks.bounded(case, "part of the steps in the error", part, _part_of_time, pair)
 
 
 def _named(case: str, quick: bool) -> dict[str, int]:

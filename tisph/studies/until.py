@@ -48,6 +48,7 @@ from tisph.config.loader import loaded
 from tisph.config.schema import Config
 from tisph.errors import ConfigError, TisphError
 from tisph.folder import LOCK, Folder, replaced
+from tisph.measures.steadiness import Followed, steadiness
 from tisph.report.chain import draw
 from tisph.results import open_run
 from tisph.rheometry.viscometers import batch_means
@@ -504,8 +505,7 @@ class Runs:
                 else f"is no number of a sample{nearest(name, known)}"
             )
             raise ConfigError(f"--until {name}: {text}; there are {', '.join(known)}")
-        change = 0.0 if sample.get("steady", True) else sample.get("steady_change") or 0.0
-        return value, scatter_of(name, sample), abs(change * value)
+        return value, scatter_of(name, sample), abs(value) * _change(name, result)
 
     def time_errors(self) -> dict[str, float]:
         """Return name -> difference of the coarsest run from the same with shorter steps, as an error."""
@@ -574,6 +574,22 @@ def _data(config: Config) -> dict[str, Any]:
 
 START = 4.0
 """Approximate time [s] of a run apart from its steps."""
+
+
+def _change(name: str, result: Result) -> float:
+    """Return the relative change of a number over the slowest time of a flow that is not steady yet.
+
+    It is that of its own history where there is one, else the largest change of all that the sample states.
+    """
+    sample, run = result.last, open_run(result.folder)
+    column = name.replace("_coefficient", "")
+    if sample.get("steady", True):
+        return 0.0
+    if column not in (run.history.dtype.names or ()):
+        return sample.get("steady_change") or 0.0
+    times, values = (np.asarray(run.history[key], float) for key in ("t", column))
+    own = Followed(times, values[:, None], {column: np.nan_to_num(np.abs(values)).max() or 1.0})
+    return steadiness(scenes.of(run.config), sample["t"], own).change or 0.0
 
 
 def scatter_of(name: str, sample: Mapping[str, Any]) -> float:

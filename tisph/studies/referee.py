@@ -194,9 +194,8 @@ class Number(Quantity):
         """Return scatter, and change in a flow that is not steady yet, of the values of a run over the size of data."""
         found = self._samples(result)
         scatter = math.hypot(*(until.scatter_of(self.key, sample) for sample in found))
-        last = found[-1]
-        steady = not np.isnan(self.times).any() or last.get("steady", True)
-        change = 0.0 if steady else (last.get("steady_change") or 0.0) * abs(last[self.key])
+        of_the_end = np.isnan(self.times).any()
+        change = until.change_of(self.key, result) * abs(found[-1][self.key]) if of_the_end else 0.0
         return scatter / self.size, change / self.size
 
     def _samples(self, result: Result) -> list[Any]:

@@ -505,7 +505,7 @@ class Runs:
                 else f"is no number of a sample{nearest(name, known)}"
             )
             raise ConfigError(f"--until {name}: {text}; there are {', '.join(known)}")
-        return value, scatter_of(name, sample), abs(value) * _change(name, result)
+        return value, scatter_of(name, sample), abs(value) * change_of(name, result)
 
     def time_errors(self) -> dict[str, float]:
         """Return name -> difference of the coarsest run from the same with shorter steps, as an error."""
@@ -576,15 +576,15 @@ START = 4.0
 """Approximate time [s] of a run apart from its steps."""
 
 
-def _change(name: str, result: Result) -> float:
+def change_of(name: str, result: Result) -> float:
     """Return the relative change of a number over the slowest time of a flow that is not steady yet.
 
     It is that of its own history where there is one, else the largest change of all that the sample states.
     """
-    sample, run = result.last, open_run(result.folder)
-    column = name.replace("_coefficient", "")
+    sample = result.last
     if sample.get("steady", True):
         return 0.0
+    run, column = open_run(result.folder), name.replace("_coefficient", "")
     if column not in (run.history.dtype.names or ()):
         return sample.get("steady_change") or 0.0
     times, values = (np.asarray(run.history[key], float) for key in ("t", column))
@@ -632,21 +632,18 @@ def _require_names(config: Config, wanted: Sequence[Goal]) -> None:
 
 def _moved(config: Config, vary: Mapping[str, Any]) -> dict[str, float]:
     """Return values by key of the geometry; ``vary`` is key -> factor. ConfigError for other keys and factors."""
-    values = {}
+    values, geometry = {}, config.resolved()["geometry"]
+    lengths = {f"geometry.{name}": value for name, value in geometry.items() if type(value) in (int, float)}
     for key, given in vary.items():
-        section, _, name = key.partition(".")
-        geometry = config.resolved()["geometry"]
-        length = geometry.get(name)
-        if section != "geometry" or type(length) not in (int, float):
-            allowed = ", ".join(f"geometry.{each}" for each, value in geometry.items() if type(value) in (int, float))
-            raise ConfigError(f"--vary {key}: must be a length of the geometry: {allowed}")
+        if key not in lengths:
+            raise ConfigError(f"--vary {key}: must be a length of the geometry: {', '.join(lengths)}")
         try:
             factor = float(given)
         except ValueError:
             factor = math.nan
         if not 0.0 < factor < math.inf or factor == 1.0:
             raise ConfigError(f"--vary {key}={given}: must be a factor, such as 1.25")
-        values[key] = factor * length
+        values[key] = factor * lengths[key]
     try:
         loaded(config, values)
     except ConfigError as error:

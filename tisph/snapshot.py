@@ -119,6 +119,10 @@ class Snapshot:
     With open ends: ``flow_rates`` (2,) into the fluid through inlet and outlet [length^2/time]; ``backflow``: largest
     velocity into the fluid at the outlet, 0 without any; ``passages`` (particles_fluid,): how often the fluid of a
     particle has left, and other fluid has entered in its place.
+
+    ``substances``: arrays (particles_fluid,) of the temperature and of dissolved substances by name, None without any.
+    ``flows`` (substances, walls): amount of each that flows from each wall or body into the fluid in a time, per length
+    in planar flow; heat of the temperature. In a channel the walls are the bottom and the top.
     """
 
     t: float
@@ -148,6 +152,8 @@ class Snapshot:
     backflow: float | None = None
     passages: np.ndarray | None = None
     area: np.ndarray | None = None
+    substances: dict[str, np.ndarray] | None = None
+    flows: np.ndarray | None = None
 
     @property
     def weight(self) -> Any:

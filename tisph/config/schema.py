@@ -20,6 +20,7 @@ from tisph.config import yaml_text
 from tisph.config.base import Model, Problem, refusal, refusals
 from tisph.config.fields import Member, member_name, nearest
 from tisph.config.goals import goals
+from tisph.config.heat import Scalar, Temperature
 from tisph.config.sections import (
     LEAST_PARTICLES_ACROSS,
     Discretisation,
@@ -40,6 +41,8 @@ Scheme = Member("schemes", usual="auto", untyped="wcsph")
 
 NOUNS = {"circle": ("cylinder", "cylinders"), "ellipse": ("ellipse", "ellipses"), "polygon": ("polygon", "polygons")}
 NOUNS |= {"curve": ("body", "bodies")}
+MOST_SCALARS = 20
+
 COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 """Words for types and numbers of bodies in titles."""
 
@@ -84,13 +87,15 @@ class Config(Model):
     fluid: Fluid
     discretisation: Discretisation = Discretisation.model_validate({})
     scheme: Annotated[Any, Scheme] = Field(default_factory=Scheme.default)
+    temperature: Temperature | None = None
+    scalars: Annotated[tuple[Scalar, ...], Field(strict=False, max_length=MOST_SCALARS)] = ()
     reference: Reference | None = None
     time: Time
     accuracy: Goals | None = None
     output: Output = Output()
     runtime: Runtime = Runtime()
 
-    unset_keys: ClassVar[tuple[str, ...]] = ("title", "reference", "accuracy")
+    unset_keys: ClassVar[tuple[str, ...]] = ("title", "temperature", "scalars", "reference", "accuracy")
     parallel: ClassVar[bool] = False
     """Whether all flow is along x."""
     axisymmetric: ClassVar[bool] = False
@@ -276,7 +281,7 @@ class Config(Model):
 
 
 ORDER = (
-    "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "reference",
+    "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "temperature", "scalars", "reference",
     "discretisation", "scheme", "time", "accuracy", "probes", "output", "runtime",
 )  # fmt: skip
 """Order of the keys in a resolved config; other keys come with ``geometry``."""

@@ -18,6 +18,7 @@ from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.outline import EndToEnd
 from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
+from tisph.measures.substance import TEMPERATURE, Substance
 from tisph.snapshot import Snapshot
 
 Kind = TypeVar("Kind", bound="FlowInBox")
@@ -154,6 +155,9 @@ class FlowInBox(FlowDefaults):
     given_velocity: float | None = None
     """Reference velocity from the config; None where ``velocity_scale`` is used."""
 
+    substances: tuple[Substance, ...] = ()
+    """Temperature and dissolved substances; the temperature is the first one where there is one."""
+
     columns: int = 0
     """Particles along x at the start, in a box without ``bodies``."""
 
@@ -175,6 +179,17 @@ class FlowInBox(FlowDefaults):
     def polymer(self) -> PolymerParameters | None:
         """Relaxation time and solvent fraction of a polymer solution, which set its time scales; else None."""
         return PolymerParameters.of(self.rheology)
+
+    @property
+    def temperature(self) -> Substance | None:
+        """The temperature among the substances; None without one."""
+        return next((each for each in self.substances if each.name == TEMPERATURE), None)
+
+    @property
+    def isothermal(self) -> bool:
+        """Whether the temperature has no effect on the flow, or there is none."""
+        found = self.temperature
+        return found is None or not (found.law or found.expansion)
 
     @property
     def linear(self) -> bool:

@@ -88,12 +88,15 @@ FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
 STATE = (
     *("divergence", "steepest", "added_power", "load_scatter", "velocity_scatter"),
-    *("acceleration", "flow_rates", "backflow"),
+    *("acceleration", "flow_rates", "backflow", "flows"),
 )
 """Attributes of a group beside ``t`` and ``step`` that only some schemes have: see ``Snapshot``."""
 
 BODIES = "bodies"
 """Name of the group with a dataset for each field of the bodies."""
+
+SUBSTANCE = "substance"
+"""Attribute of a dataset that is a temperature or a dissolved substance."""
 
 EXACT = "_exact"
 """End of the name of a dataset of the exact solution."""
@@ -194,7 +197,8 @@ def _kept(snapshot: Snapshot, fields: tuple[str, ...], dtype: type | None) -> Sn
         for name in set(kept) & set(fields):
             value = getattr(snapshot, name)
             kept[name] = None if value is None else np.asarray(value, dtype)
-    return replace(snapshot, **kept)
+        carried = {name: np.asarray(value, dtype) for name, value in (snapshot.substances or {}).items()}
+    return replace(snapshot, **kept, substances=carried or None)
 
 
 def write_snapshot(group: Any, snapshot: Snapshot) -> None:
@@ -207,6 +211,9 @@ def write_snapshot(group: Any, snapshot: Snapshot) -> None:
     for name in FIELDS + OPTIONAL:
         if getattr(snapshot, name) is not None:
             group.create_dataset(name, data=getattr(snapshot, name))
+    for name, values in (snapshot.substances or {}).items():
+        group.create_dataset(name, data=values)
+        group[name].attrs[SUBSTANCE] = True
     for name, values in (snapshot.reference or {}).items():
         group.create_dataset(name + EXACT, data=values)
     if snapshot.bodies is not None:
@@ -230,6 +237,8 @@ def read_snapshots(path: Path, fields: tuple[str, ...] = FIELDS) -> Iterator[Sna
             stored |= {name: group.attrs[name] for name in STATE if name in group.attrs}
             exact = {name.removesuffix(EXACT): group[name][...] for name in group if name.endswith(EXACT)}
             stored["reference"] = exact or None
+            carried = {name: values[...] for name, values in group.items() if SUBSTANCE in values.attrs}
+            stored["substances"] = carried or None
             if BODIES in group:
                 bodies = group[BODIES]
                 stored[BODIES] = Bodies(**{name: values[...] for name, values in bodies.items()})

@@ -12,5 +12,7 @@ if TYPE_CHECKING:
 def of(config: "Config") -> "Scene":
     """Return the scene that ``config`` describes."""
     from tisph.scenes._spacing import with_sources  # the drawing process, which takes scenes, does without configs
+    from tisph.scenes._substances import with_substances
 
-    return with_sources(registry.load("scenes", config.scene).Scene.from_config(config), config)
+    flow = with_sources(registry.load("scenes", config.scene).Scene.from_config(config), config)
+    return with_substances(flow, config)

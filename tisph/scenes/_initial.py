@@ -34,8 +34,11 @@ class Contact(Model):
 
 
 def still_problem(config: Config, key: str, remedy: str) -> Iterator[Problem]:
-    """Yield an error at ``key`` of a ``config`` in which nothing moves, unless it gives a reference velocity."""
-    if not config.reference:
+    """Yield an error at ``key`` of a ``config`` in which nothing moves.
+
+    With a reference velocity, a temperature or a dissolved substance it is no error.
+    """
+    if not (config.reference or config.temperature or config.scalars):
         text = "nothing moves: " + remedy
         yield key, f"{text}; or a reference.velocity, where a Python function drives the fluid"
 

@@ -46,10 +46,10 @@ EVEN = 1e-3
 def parts_of(flow: "FlowInBox") -> dict[str, Body]:
     """Return the bodies and walls of a scene by their dotted keys in the config, without open ends."""
     named = zip(getattr(flow, "names", ()), flow.bodies, strict=False)
-    return {_key(name): body for name, body in named if body.solid}
+    return {key_of(name): body for name, body in named if body.solid}
 
 
-def _key(name: str) -> str:
+def key_of(name: str) -> str:
     """Return the dotted key of a part by its ``name`` in results, such as _0, body_0, sphere or _top."""
     own = name.removeprefix("body").removeprefix("_")
     return own if own == "sphere" else f"bodies.{own or 0}" if not own or own.isdigit() else f"walls.{own}"

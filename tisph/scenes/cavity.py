@@ -37,7 +37,7 @@ from tisph.geometry.motion import Schedule, SmoothSchedule, WallMotion
 from tisph.measures.fits import interpolated, with_walls
 from tisph.measures.flow import Size
 from tisph.measures.steadiness import followed, steadiness
-from tisph.scenes._initial import RestInitial
+from tisph.scenes._initial import RestInitial, still_problem
 from tisph.scenes._scene import BodyScene, Reference
 from tisph.scenes._views import (
     Profile,
@@ -120,7 +120,7 @@ class Cavity(BodyScene):
 
     def _part(self, t: Any) -> Any:
         """Return the velocity of the lid at ``t`` over ``velocity``."""
-        return self.course.velocity(t) / self.velocity
+        return self.course.velocity(t) / (self.velocity or 1.0)
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -139,7 +139,7 @@ class Cavity(BodyScene):
     @cached_property
     def corners(self) -> tuple[CornerSingularity, ...]:
         """The two upper corners, past which a sharp lid slides; none where the fluid slips along it."""
-        if self.regular or self.bodies[2].slip_length:
+        if self.regular or not self.velocity or self.bodies[2].slip_length:
             return ()
         cell = self.velocity_scale * self.spacing / self.kinematic_viscosity
         viscous = max(VISCOUS_DECAY_LENGTH * self.spacing / cell, LEAST_DECAY_LENGTH * self.spacing)
@@ -171,12 +171,19 @@ class Cavity(BodyScene):
         return abs(self.velocity)
 
     @property
+    def _unit(self) -> float:
+        """Velocity over which velocities are given: of the lid, or the reference velocity under a lid at rest."""
+        return self.velocity or self.reference_velocity
+
+    @property
     def _lid_reynolds(self) -> float:
         """Reynolds number with the speed of the lid, by which references are tabulated."""
         return self.velocity_scale * self.width / self.kinematic_viscosity
 
     def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: the layer under the lid, in which fluid stays for a time width/U."""
+        if not self.velocity:
+            return math.inf, ""
         depth = self.layer_depth(min(t, self.width / self.velocity_scale))
         return depth, "the layer under the lid", self.wall_spacings[2]
 
@@ -188,7 +195,7 @@ class Cavity(BodyScene):
         to it. It grows from x_0, where the strain rate exceeds half the relaxation rate. Fluid that is x_0 below the
         lid there, and not stretched, comes to the middle at the distance x_0 u(x_0)/u: there the stress falls again.
         """
-        if not (self.regular and self.polymer and self.linear):
+        if not (self.regular and self.velocity and self.polymer and self.linear):
             return 0.0
         x = np.linspace(0.0, 0.5, 10_001)[1:]
         passed = (2.0 * np.log(x / (1.0 - x)) + 1.0 / (1.0 - x) - 1.0 / x) / 16.0  # integral of dx/LID
@@ -201,6 +208,8 @@ class Cavity(BodyScene):
     def reference(self) -> Reference:
         """See ``Scene.reference``: all are of the steady state."""
         assumptions = {"a Newtonian fluid": self.rheology is None, "walls without slip": not any(self.slip_lengths)}
+        if not (self.velocity and self.isothermal):
+            assumptions["a moving lid, and a temperature without an effect on the flow"] = False
         if not self.regular:
             assumptions["a square cavity"] = self.width == self.height
             assumptions["a tabulated Reynolds number"] = bool(self._tables)
@@ -224,7 +233,7 @@ class Cavity(BodyScene):
     @cached_property
     def _tables(self) -> list[CentreLine]:
         """Tabulated centre lines of the square cavity under the sharp lid; none at other Reynolds numbers."""
-        if self.regular or self.width != self.height or any(self.slip_lengths):
+        if self.regular or not self.velocity or self.width != self.height or any(self.slip_lengths):
             return []
         try:
             return centre_lines(round(self._lid_reynolds, 9))
@@ -251,7 +260,7 @@ class Cavity(BodyScene):
         ``centre_line_error``: largest difference of u and v from the tables; with the regular lid ``l2``, ``rms`` and
         ``linf`` of the velocities. ``kinetic_energy`` per mass; ``planar_diagnostics``.
         """
-        u, v = (line / self.velocity for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
+        u, v = (line / self._unit for line in self.lines(snapshot, np.linspace(0.0, 1.0, POINTS)))
         numbers = {"u_extreme": u.min(), "v_min": v.min(), "v_max": v.max()}
         viscous_time = max(self.extent) ** 2 / self.kinematic_viscosity
         decayed = not self.varying and self._lid_reynolds <= SLOW and snapshot.t >= DECAYED * viscous_time
@@ -455,7 +464,8 @@ class Config(schema.Config):
     @property
     def singular(self) -> bool:
         """Whether the lid slides past corners, and drags the fluid there with it."""
-        return self.walls.lid.profile == "sharp" and self.walls.lid.slip_length is None
+        lid = self.walls.lid
+        return lid.profile == "sharp" and lid.slip_length is None and lid.largest_velocity != 0.0
 
     def problems(self) -> Iterator[Problem]:
         """Yield the errors that the scene finds in the config."""
@@ -473,7 +483,7 @@ class Config(schema.Config):
             )
             yield "walls.lid.velocities", text
         if self.walls.lid.velocity == 0:
-            yield "walls.lid.velocity", "must not be 0: nothing else drives the flow"
+            yield from still_problem(self, "walls.lid.velocity", "give the lid a velocity other than 0")
 
     def incommensurate(self) -> Iterator[Problem]:
         """Yield an error for a height that is not a whole number of spacings."""

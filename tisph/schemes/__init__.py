@@ -70,6 +70,9 @@ def unsupported(config: Config, scheme: str) -> Iterator[Problem]:
         yield f"{slipping}.slip_length", "must be left out with open ends: their profiles have no slip yet"
     if slipping and scheme != "implicit":
         yield "scheme.type", f"{scheme} has no wall with a slip_length ({slipping}); take implicit"
+    if scheme != "implicit" and (config.temperature or config.scalars):
+        name = "temperature" if config.temperature else "dissolved substance (scalars)"
+        yield "scheme.type", f"{scheme} has no {name}; take implicit"
     automatic = ["discretisation.refine"] if config.discretisation.refine == "auto" else []
     varied = next(iter([*config.spacings, *automatic]), None)
     if varied and config.parallel:

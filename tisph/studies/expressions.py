@@ -10,14 +10,13 @@ The functions are abs, max, sqrt, hypot, sin, cos, exp and log, the constant is 
 ``NAME off exact`` is the relative difference of a number to ``NAME_exact``.
 """
 
-import ast
 import math
 from collections.abc import Callable
-from functools import cache
 from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 from tisph.config.fields import nearest
+from tisph.config.formula import NoFormula, compiled, evaluated, is_number
 from tisph.errors import ConfigError
 from tisph.measures.channel import wall_shear_error
 
@@ -29,10 +28,6 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
 }
 FUNCTIONS |= {"abs": abs, "max": lambda *numbers: math.nan if any(map(math.isnan, numbers)) else max(numbers)}
 
-ARITHMETIC: tuple[type[ast.AST], ...] = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop)
-ARITHMETIC += (ast.Constant, ast.Name, ast.Call, ast.Attribute, ast.Load)
-
-
 class SuiteError(Exception):
     """An entry that cannot be understood: the key to blame, None for the entry itself, and the reason."""
 
@@ -41,23 +36,13 @@ class SuiteError(Exception):
         self.key, self.text = key, text
 
 
-@cache
 def _compiled(source: str, key: str) -> CodeType:
     """Return the code of an expression, in which a name is a call of ``number`` with it; SuiteError for other texts."""
     try:
-        tree = ast.parse(source, mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise SuiteError(key, f"{source!r} is no arithmetic expression, such as drag/superficial_velocity") from None
-    for node in ast.walk(tree):
-        if not isinstance(node, ARITHMETIC) or (isinstance(node, ast.Constant) and not is_number(node.value)):
-            raise SuiteError(key, f"{source!r}: only numbers, names, + - * / ** and {', '.join(FUNCTIONS)}")
-        if isinstance(node, ast.Call) and getattr(node.func, "id", None) not in FUNCTIONS:
-            raise SuiteError(key, f"{source!r}: the functions are {', '.join(FUNCTIONS)}")
-    return compile(_Lookup().visit(tree), "<suite>", "eval")
-
-
-def _evaluated(code: CodeType, lookup: Callable[[str], Any]) -> Any:
-    return eval(code, {"__builtins__": {}, **FUNCTIONS, "number": lookup})
+        return compiled(source, tuple(FUNCTIONS))[0]
+    except NoFormula as error:
+        reason = f": {error}" if str(error) else " is no arithmetic expression, such as drag/superficial_velocity"
+        raise SuiteError(key, f"{source!r}{reason}") from None
 
 
 def filled(template: Any, names: dict[str, Any]) -> Any:
@@ -74,7 +59,7 @@ def filled(template: Any, names: dict[str, Any]) -> Any:
         return [filled(value, names) for value in template]
     if not (isinstance(template, str) and template.startswith("=")):
         return template
-    value = _evaluated(_compiled(template[1:], template), lambda name: filled(names[name], names))
+    value = evaluated(_compiled(template[1:], template), FUNCTIONS, lambda name: filled(names[name], names))
     return digits(value) if isinstance(value, float) else value
 
 
@@ -100,40 +85,11 @@ class Number:
             return _number(result, sample, name)
 
         try:
-            value = _evaluated(self._code, lookup)
+            value = evaluated(self._code, FUNCTIONS, lookup)
             value = abs(value / lookup(f"{self._name}_exact") - 1) if self._off_exact else value
         except (ArithmeticError, ValueError):
             return math.nan
         return math.nan if isinstance(value, complex) else value
-
-
-class _Lookup(ast.NodeTransformer):
-    """Replaces every name of an expression by a call of ``number`` with this name, and every number by a float.
-
-    Powers of floats overflow at once; powers of whole numbers take any time and memory.
-    """
-
-    def visit_Constant(self, node: Any) -> ast.AST:
-        return ast.copy_location(ast.Constant(float(node.value)), node)
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        node.args = [self.visit(argument) for argument in node.args]
-        return node
-
-    def visit_Name(self, node: ast.Name | ast.Attribute) -> ast.AST:
-        name = ast.unparse(node)
-        if name == "pi":
-            return ast.copy_location(ast.Constant(math.pi), node)
-        call = ast.Call(ast.Name("number", ast.Load()), [ast.Constant(name)], [])
-        return ast.fix_missing_locations(ast.copy_location(call, node))
-
-    def visit_Attribute(self, node: ast.Attribute) -> ast.AST:
-        return self.visit_Name(node)
-
-
-def is_number(value: Any) -> bool:
-    """Return whether a value of a suite is a number."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _number(result: Any, sample: dict[str, Any], name: str) -> float:

@@ -20,6 +20,7 @@ from tisph.numerics import SKIN, SUPPORT
 from tisph.scenes._channel import Channel
 from tisph.scenes._scene import Scene
 from tisph.scenes._spacing import spacing_problems
+from tisph.scenes._substances import substance_problems
 from tisph.schemes import unsupported, unused
 from tisph.schemes._protocol import Scheme, SchemeEstimates
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
@@ -107,6 +108,7 @@ def problems(config: Config) -> Iterator[Problem]:
     yield from unsupported(config, "implicit")
     if isinstance(config.scheme, Parameters):
         yield from unused(config, "implicit")
+    yield from substance_problems(config)
     if not config.parallel:
         yield from _problems_in_two_dimensions(config)
         return

@@ -111,6 +111,42 @@ class WallRows:
     outlet: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
 
+class SparseRows:
+    """Layout of the rows of least-squares operators in sparse matrices of all ``points``."""
+
+    def __init__(self, points: Any) -> None:
+        self.n = n = points.fluid
+        self.row, self.listed = points.rows_of(slice(n))
+        table = view(points.neighbours)[self.row]
+        self.listed &= table < n
+        ends = np.cumsum(1 + self.listed.sum(axis=1))
+        self.begins = np.concatenate([[0], ends])
+        self.first = self.begins[:-1]
+        self.others = np.ones(ends[-1], dtype=bool)
+        self.others[self.first] = False
+        self.columns = np.empty(ends[-1], dtype=np.int32)
+        self.columns[self.first], self.columns[self.others] = np.arange(n), table[self.listed]
+
+    def entries(self, operator: Any) -> np.ndarray:
+        """Return the entries of all rows of an ``operator``, a field, the one of the point itself first."""
+        entries = np.zeros(self.begins[-1])
+        entries[self.others] = view(operator)[self.row[self.listed]]
+        entries[self.first] = -np.add.reduceat(entries, self.first)
+        return entries
+
+    def part(self, entries: np.ndarray, low: int, high: int) -> Any:
+        """Return the matrix (high - low, points) of the rows ``low`` to ``high`` with these ``entries`` of all rows."""
+        from scipy.sparse import csr_matrix
+
+        begins, part = self.begins, slice(self.begins[low], self.begins[high])
+        shape = high - low, self.n
+        return csr_matrix((entries[part], self.columns[part], begins[low : high + 1] - begins[low]), shape)
+
+    def matrix(self, operator: Any, low: int, high: int) -> Any:
+        """Return the matrix (high - low, points) of the rows ``low`` to ``high`` of an ``operator``, a field."""
+        return self.part(self.entries(operator), low, high)
+
+
 class StokesSolver:
     """Solver at the points of least-squares ``operators``: the fluid's come first, those on walls after them.
 
@@ -127,37 +163,21 @@ class StokesSolver:
 
     def assemble(self, rows: WallRows) -> None:
         """Set the matrices of the present operators, with these equations at walls."""
-        from scipy.sparse import csr_matrix, diags
+        from scipy.sparse import diags
 
         points, operators, self.rows = self.points, self.operators, rows
         n, fluid = self.n, self.fluid = points.fluid, points.in_fluid
-        row, listed = points.rows_of(slice(n))
-        table = view(points.neighbours)[row]
-        listed &= table < n
-        ends = np.cumsum(1 + listed.sum(axis=1))
-        begins = np.concatenate([[0], ends])
-        first = begins[:-1]
-        others = np.ones(ends[-1], dtype=bool)
-        others[first] = False
-        columns = np.empty(ends[-1], dtype=np.int32)
-        columns[first], columns[others] = np.arange(n), table[listed]
+        layout = SparseRows(points)
 
         def matrix(field: Any) -> tuple[Any, Any, Any]:
             """Return the matrices of all rows, of the rows of the fluid and of the rows of the walls."""
-            entries = np.zeros(ends[-1])
-            entries[others] = view(field)[row[listed]]
-            entries[first] = -np.add.reduceat(entries, first)
-            parts = []
-            for low, high in ((0, n), (0, fluid), (fluid, n)):
-                part = slice(begins[low], begins[high])
-                shape = high - low, n
-                parts.append(csr_matrix((entries[part], columns[part], begins[low : high + 1] - begins[low]), shape))
-            return tuple(parts)
+            entries = layout.entries(field)
+            return layout.part(entries, 0, n), layout.part(entries, 0, fluid), layout.part(entries, fluid, n)
 
         self.laplacian, self.fluid_laplacian, self.wall_laplacian = matrix(operators.laplacian)
         self.d_dx, self.fluid_x, self.wall_x = matrix(operators.d_dx)
         self.d_dy, self.fluid_y, self.wall_y = matrix(operators.d_dy)
-        self.diagonal = self.laplacian.data[first]
+        self.diagonal = self.laplacian.data[layout.first]
         radius = self.radius = np.ones(n)
         if self.axisymmetric:
             radius = self.radius = view(points.position)[:n, 1] + float(view(operators.lowest_radius))

@@ -37,8 +37,9 @@ from typing import Any
 import numpy as np
 
 from tisph.runtime import real, ti, view
+from tisph.rheology import newtonian
 from tisph.schemes._local_newton import SMALL
-from tisph.schemes.implicit.planar.parts import ExtraStress
+from tisph.schemes.implicit.planar.parts import ExtraStress, rate_squared
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.time_levels import TimeLevels, gradients
 
@@ -66,7 +67,8 @@ class GeneralisedNewtonianStress(ExtraStress):
         self.fields: tuple[Any, ...] = ()
         self.parts: Mapping[str, Any] = {}
         self.viscosity = problem.kinematic_viscosity
-        self.law = problem.rheology.law(self.viscosity, problem.density)
+        rheology = problem.rheology or newtonian.Parameters()
+        self.law, self.factor = rheology.law(self.viscosity, problem.density), 1.0
         self.unweighted, self.operators = levels.operators, copy.copy(levels.operators)
         self.operators.laplacian = ti.field(real(), levels.operators.laplacian.shape)
         self.derived = ti.field(ti.types.vector(self.numbers, real()), self.points.slots + 1)
@@ -115,11 +117,24 @@ class GeneralisedNewtonianStress(ExtraStress):
     def derive(self, strain: np.ndarray, squared: np.ndarray, vorticity: np.ndarray) -> None:
         """Take up 2 D (points, numbers), q and the vorticity (points,), and find the viscosities."""
         with np.errstate(all="ignore"):  # numbers that are not finite have no velocities, and stop the run
-            viscosity = self.law.viscosity(squared + 1j * SMALL)
+            viscosity = self.local_law(squared + 1j * SMALL)
         implicit = viscosity.real + squared * viscosity.imag / SMALL
         numbers = viscosity.real[:, None] * strain, strain, np.stack([vorticity, implicit], axis=1)
         view(self.derived)[: self.points.fluid] = np.concatenate(numbers, axis=1)
         self.dissipation = viscosity.real * squared
+
+    def local_law(self, squared: Any) -> Any:
+        """Return the viscosity (points,) at the square of the shear rate: a nu(a^2 q), a being the ``factor``."""
+        return self.factor * self.law.viscosity(self.factor**2 * squared)
+
+    def set_factor(self, factor: Any) -> None:
+        """Take the ``factor`` a (points,) of viscosity and times of the law that the temperature has."""
+        self.factor = factor
+
+    def power(self, strain: np.ndarray, viscosity: float) -> np.ndarray:
+        """Return the power (points,) of the stress per mass for 2 D = ``strain``; see ``ExtraStress.power``."""
+        squared = rate_squared(strain)
+        return self.local_law(squared) * squared
 
     def store(self, velocity: Any, step: int) -> float | None:
         """Find the stress at the end of a ``step``; return the power of ``added_force`` over the dissipation nu q.

@@ -29,6 +29,12 @@ if TYPE_CHECKING:
     from tisph.schemes.implicit.planar.equations import Equations
 
 
+def rate_squared(strain: np.ndarray) -> np.ndarray:
+    """Return the square 2 D:D (n,) of the shear rate for 2 D (6, n), its components xx, xr, rr, tt, xt, rt."""
+    xx, xr, rr, tt, xt, rt = strain
+    return 0.5 * (xx**2 + rr**2 + tt**2) + xr**2 + xt**2 + rt**2
+
+
 @ti.data_oriented
 class ExtraStress:
     """The stress of a fluid in addition to the stress of its constant (solvent) viscosity; here none (Newtonian fluid).
@@ -60,6 +66,16 @@ class ExtraStress:
     def local_viscosities(self, viscosity: float, points: int) -> np.ndarray:
         """Return the viscosities (points,) of the implicit part of the stress: the ``viscosity`` of the step."""
         return np.full(points, viscosity)
+
+    def set_factor(self, factor: Any) -> None:
+        """Take the ``factor`` (points,) of viscosity and relaxation times that the temperature has."""
+
+    def power(self, strain: np.ndarray, viscosity: float) -> np.ndarray:
+        """Return the power (points,) of all stresses per mass; ``viscosity`` of the solvent.
+
+        ``strain`` (6, points): 2 D, its components xx, xr, rr, tt, xt and rt; t is the direction around the axis.
+        """
+        return viscosity * rate_squared(strain)
 
     def begin(self, values: Sequence[np.ndarray] = ()) -> None:
         """Compute the stress of the first velocities, with ``values`` of the ``fields`` that earlier flow has left."""

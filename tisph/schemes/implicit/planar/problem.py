@@ -13,6 +13,7 @@ from tisph.geometry.region import Box, box_around
 from tisph.geometry.wanted_spacing import GROWTH, InGaps, Source, WantedSpacing
 from tisph.measures.fits import section_weights
 from tisph.measures.flow import FlowInBox
+from tisph.measures.substance import Substance
 from tisph.schemes.implicit.planar.wall_points import WallPoints, WallsOfRevolution
 
 CROWDING = 1.6
@@ -37,7 +38,7 @@ class Problem(Box):
     """``n_fluid`` particles of a fluid in a box, between ``walls`` or periodic, in any consistent units.
 
     * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
-      Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
+      Newtonian, else None. ``substances``: temperature and dissolved substances. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
       minus 1 of its modes; None for a start from rest.
     * ``spacing_sources``, ``growth``: of the spacing that is wanted at each place, at most ``spacing``.
     * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
@@ -70,6 +71,7 @@ class Problem(Box):
     acceleration: tuple[float, float] = (0.0, 0.0)
     corners: tuple = ()
     rheology: Any = None
+    substances: tuple[Substance, ...] = ()
     initial_conformation_excess: Callable[..., Any] | None = None
     initial_velocity: Callable[..., Any] | None = None
     has_own_start: bool = False
@@ -140,8 +142,13 @@ class Problem(Box):
     def solvent_viscosity(self) -> float:
         """Constant kinematic viscosity: of the solvent, or of the whole fluid if it is Newtonian; 0 if it varies."""
         if self.rheology is None:
-            return self.kinematic_viscosity
+            return 0.0 if self.varies_with_temperature else self.kinematic_viscosity
         return self.kinematic_viscosity * self.rheology.solvent_fraction if self.carries_stress else 0.0
+
+    @cached_property
+    def varies_with_temperature(self) -> bool:
+        """Whether the viscosity depends on the temperature."""
+        return any(each.law for each in self.substances)
 
     @cached_property
     def carries_stress(self) -> bool:
@@ -196,6 +203,7 @@ def problem_of(scene: FlowInBox) -> Problem:
         acceleration=(scene.acceleration if scene.bodies else 0.0, 0.0),
         corners=scene.corners,
         rheology=scene.rheology,
+        substances=scene.substances,
         initial_conformation_excess=scene.initial_conformation_excess,
         initial_velocity=scene.initial_velocity,
         has_own_start=scene.has_own_start,

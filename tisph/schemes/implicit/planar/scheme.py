@@ -39,6 +39,7 @@ from tisph.schemes.implicit.planar.parts import (
 from tisph.schemes.implicit.planar.problem import Problem
 from tisph.schemes.implicit.planar.slip import SlippingWalls
 from tisph.schemes.implicit.planar.time_levels import PRESSURES, VELOCITIES, TimeLevels, TimeWeights
+from tisph.schemes.implicit.planar.transport import CarriedSubstances, Transport
 from tisph.schemes.implicit.planar.viscoelastic_stress import ViscoelasticStress
 from tisph.schemes.implicit.planar.wall_boundary import WallBoundary
 from tisph.schemes.implicit.planar.wall_points import MAX_WALLS, POINT_SUPPORT, WALL_SUPPORT
@@ -128,6 +129,10 @@ class PlanarScheme(ControlledScheme):
             problem, self.levels, self.shift, self.grid, self.extra_stress, rounding, coupled
         )
         self.grid.outlet = self.boundary.outlet
+        self.transport = Transport()
+        if problem.substances:
+            self.transport = CarriedSubstances(self.boundary, self.levels, self.extra_stress)
+        self.levels.others = (*self.extra_stress.fields, *self.transport.fields)
         parts = self.grid, self.boundary, self.extra_stress
         self.equations: Equations
         if problem.kinematics:
@@ -187,10 +192,17 @@ class PlanarScheme(ControlledScheme):
             change = np.abs(active(levels.fields)[:fluid, : levels.components] - unknowns).max()
             self.removed_divergence = float(change / (np.abs(unknowns).max() or 1.0))
         levels.measure()
-        self.extra_stress.begin(stress)
-        forced = self.problem.body_force is not None
+        own = len(self.extra_stress.fields)
+        self.transport.begin(stress[own:], self.time)
+        extra_stress = self.extra_stress
+        extra_stress.set_factor(self.transport.factor)
+        extra_stress.begin(stress[:own])
+        force = self.body_force(self.time)
+        forced = force is not None
         if forced:
-            view(self.equations.forcing)[:fluid] = self.body_force(self.time)[:fluid]
+            forcing = view(self.equations.forcing)
+            forcing[:fluid] = force[:fluid]
+            forcing[self.points.on_walls] += force[fluid:]
         viscosity = self.problem.solvent_viscosity
         self.require_solution(self.equations.begin(viscosity, residual, forced, self.couplings))
         self.boundary.measure_loads(self.time)
@@ -270,7 +282,7 @@ class PlanarScheme(ControlledScheme):
         splines = boundary.renew_points(time)
         if splines is None and not len(crowded) + len(places):
             return
-        carried = [levels.fields, levels.divergence, *self.extra_stress.fields]
+        carried = [levels.fields, levels.divergence, *levels.others]
         fields = [active(field).reshape(self.points.fluid, -1) for field in carried]
         particles, on_walls = self.particles_with(fields)
         values = self.insertion.values(position, fields, places)
@@ -293,7 +305,7 @@ class PlanarScheme(ControlledScheme):
     def exchange_bodies(self) -> None:
         """Let bodies leave and enter; begin anew with the others, and as many particles as there is room for."""
         problem, levels, state = self.problem, self.levels, self.boundary.host_state()
-        fields = [active(levels.fields)[:, : levels.components], *map(active, self.extra_stress.fields)]
+        fields = [active(levels.fields)[:, : levels.components], *map(active, levels.others)]
         particles, walls_before = self.particles_with(fields)
         new, on_walls = self.exchange.exchange(problem, particles, walls_before, self.time)
         self.build(new)
@@ -310,7 +322,9 @@ class PlanarScheme(ControlledScheme):
         else:
             boundary.move(self.time)
             boundary.store_normal_curls()
-            self.extra_stress.begin(stress)
+            own = len(self.extra_stress.fields)
+            self.transport.begin(stress[own:], self.time)
+            self.extra_stress.begin(stress[:own])
             self.settle()
 
     def settle(self) -> None:
@@ -328,6 +342,7 @@ class PlanarScheme(ControlledScheme):
         """Find the first flow, which has no past, by a step that ends at the start."""
         start = self.time
         self.time -= INSTANT * self.control.limit(self.speed)
+        self.transport.begin((), self.time)
         self.extra_stress.begin()
         self.boundary.begin_without_inertia(self.time)
         self.settle()
@@ -377,20 +392,24 @@ class PlanarScheme(ControlledScheme):
         retained = max(0.0, gamma0 - (viscous + convective) * dt)
         step = Step(dt, end, gamma0, viscosity, retained, (viscous * dt, convective * dt), allowed)
         equations.begin_step(weights, alpha if self.problem.inertia else 0.0 * alpha)
-        self.add_body_force(dt, end)
         equations.set_wall_velocity(boundary.solver_velocity())
+        solved = self.transport.prepare(weights, dt, end, self.tolerance, equations.velocity.x)
+        extra_stress.set_factor(self.transport.factor)
+        self.add_body_force(dt, end)
         boundary.begin_step(weights)
         boundary.corners.add_force(equations.forcing, weights, dt)
 
-        solved = True
         for outer in range(MOST_ITERATIONS):
             equations.form_forcing(dt, outer)
             solved = equations.solve(step, outer, self.couplings) and solved
             settled = all([coupling.correct(equations) for coupling in self.couplings])
+            solved = self.transport.correct(equations.velocity.x) and solved
+            extra_stress.set_factor(self.transport.factor)
             if settled and outer >= equations.least_iterations - 1 and equations.settled(step):
                 break
 
-        difference, lower = max([equations.error(), *(coupling.error() for coupling in self.couplings)])
+        of_transport = self.transport.error(error_speed)
+        difference, lower = max([equations.error(), of_transport, *(coupling.error() for coupling in self.couplings)])
         tiny, known = TINY * self.problem.reference_velocity, len(self.dts) >= VELOCITIES - 1
         self.roughness = math.log(max(difference, tiny) / max(lower, tiny)) if known else -1.0
         self.require_solution(solved and not math.isnan(difference))
@@ -402,15 +421,23 @@ class PlanarScheme(ControlledScheme):
         if not self.dts:  # a flow that is carried along as a whole is exact from the first guess on
             fluid = slice(self.points.in_fluid)
             view(self.equations.velocity.x)[fluid, :2] += dt * np.array(self.problem.acceleration)
-        if self.problem.body_force:
-            force = self.body_force(time)
+        force = self.body_force(time)
+        if force is not None:
             view(self.equations.forcing)[: len(force)] += dt * force
 
-    def body_force(self, time: float) -> np.ndarray:
-        """Return the given body force (points, components) at ``time`` at the points, as unknowns."""
+    def body_force(self, time: float) -> np.ndarray | None:
+        """Return given body force and buoyancy (points, components) at ``time`` as unknowns; None without any."""
+        found: Any = None
         x, y = self.problem.places(view(self.points.position)[: self.points.fluid].astype(float))
-        assert self.problem.body_force is not None
-        return self.problem.unknowns_given(self.problem.body_force, x, y, time)
+        if self.problem.body_force is not None:
+            found = self.problem.unknowns_given(self.problem.body_force, x, y, time)
+        buoyancy = self.transport.body_force()
+        if buoyancy is not None:
+            whole = np.zeros((len(x), self.levels.components))
+            whole[:, :2] = buoyancy
+            buoyancy = self.problem.unknowns(whole, y)
+            found = buoyancy if found is None else found + buoyancy
+        return found
 
     def assemble(self, time: float) -> None:
         """Set the positions of the points at the end of a step, at ``time``, and compute the operators there."""
@@ -434,6 +461,7 @@ class PlanarScheme(ControlledScheme):
         levels.measure()
         self.stress_resolution = self.extra_stress.store(self.equations.velocity.x, self.steps + 1)
         self.boundary.accept(self.time + dt)
+        self.transport.store(end, [dt, *self.dts])
         for coupling in self.couplings:
             coupling.store(end)
         travelled = dt * limits.courant_speed(float(view(levels.fastest)), self.problem) / self.problem.spacing
@@ -441,6 +469,7 @@ class PlanarScheme(ControlledScheme):
             self.shift.shift(self.steps == 0 and not self.boundary.bounded, travelled)
         levels.remap()
         self.extra_stress.remap()
+        self.transport.remap()
         self.boundary.corners.find_fastest()
         speed = self.speed
         if view(levels.fastest) > limits.RUNAWAY * self.problem.reference_velocity:
@@ -448,7 +477,7 @@ class PlanarScheme(ControlledScheme):
             cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
             raise DivergedError(f"u, v: above {text}{cure}")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
-            levels.reorder(self.extra_stress.fields)
+            levels.reorder()
         elif self.points.graded:
             self.renew_particles(end)
         self.boundary.set_spacing(active(levels.position), end)
@@ -470,10 +499,11 @@ class PlanarScheme(ControlledScheme):
             fluid, fields = self.points.in_fluid, active(levels.fields)
             created = np.argsort(active(levels.number)[:fluid])
             parts = (fields[:, :first], fields[:, first:]) if offset else (fields[:, :components], fields[:, first])
-            stored = [*parts, *(active(field) for field in (levels.position, *self.extra_stress.fields))]
+            stored = [*parts, *(active(field) for field in (levels.position, *levels.others))]
             values = [field[:fluid][created].astype(float, copy=False) for field in stored]
             self.output_cache = case, created, *values
         _, created, velocity, pressure, position, *stress_levels = self.output_cache
+        substances = stress_levels[len(self.extra_stress.fields) :]
         dts = self.dts or [1.0]
         weights, axis = TimeWeights([0.0, *dts], dts[0]), position[:, 1] + problem.origin[1]
         if not offset:
@@ -509,6 +539,7 @@ class PlanarScheme(ControlledScheme):
             **self.exchange.seen(boundary.seen(time, weights, offset)),
             velocity_scatter=self.control.scatter if self.equations.may_scatter else None,
             divergence=self.residual,
+            **self.transport.seen(weights, offset, substances),
             acceleration=next((each.drive for each in self.couplings if each.drive is not None), None),
             **{self.extra_stress.resolution_name: self.stress_resolution},
             **dict(zip((*STRESSES, *STRESSES_AROUND), stress, strict=False)),
@@ -545,14 +576,14 @@ class PlanarScheme(ControlledScheme):
 
     def parts(self) -> dict[str, Any]:
         """Return everything whose fields a resumed run needs, by name."""
-        return {"levels": self.levels, **self.extra_stress.parts}
+        return {"levels": self.levels, **self.extra_stress.parts, **self.transport.parts}
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
         couplings = [coupling.host_state() for coupling in self.couplings]
         walls, bodies = self.boundary.host_state(), {**self.exchange.state(), "particles": self.points.in_fluid}
-        insertion = self.insertion.state()
-        return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies, **insertion}
+        others = {**self.insertion.state(), **self.transport.host_state()}
+        return {**super().host_state(), "walls": walls, "couplings": couplings, "bodies": bodies, **others}
 
     def make_room(self, state: Mapping[str, Any]) -> None:
         """Make as many particles and points on walls as a ``host_state`` has."""
@@ -571,6 +602,7 @@ class PlanarScheme(ControlledScheme):
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         self.insertion.restore(state)
+        self.transport.restore_host_state(state)
         self.boundary.restore_host_state(state["walls"])
         self.boundary.set_spacing(active(self.levels.position), self.time)
         for coupling, its in zip(self.couplings, state["couplings"], strict=True):
@@ -579,7 +611,7 @@ class PlanarScheme(ControlledScheme):
 
 def extra_stress_of(problem: Problem, levels: TimeLevels, coupled: bool) -> ExtraStress:
     """Return the extra stress of a fluid; ``coupled``: whether velocities and pressure are solved for together."""
-    if problem.rheology is None:
+    if problem.rheology is None and not problem.varies_with_temperature:
         return ExtraStress(levels)
     if problem.carries_stress:
         return ViscoelasticStress(levels, problem, local=coupled)

@@ -327,7 +327,7 @@ class TimeLevels:
     ``fastest``: largest newest velocity that moves a particle, relative to the mean where particles are
     ``carried_along``; ``largest``: the same with the velocity around the axis; ``fastest_relative``: the largest one
     over the relative spacing of its particle. ``number`` (fluid): number of a particle
-    at the start, as their order in memory changes. ``passages`` (particles,): how often the fluid of a number has left,
+    at the start, as their order in memory changes. ``others``: further fields that particles carry. ``passages`` (particles,): how often the fluid of a number has left,
     and other fluid has taken its place.
 
     """
@@ -343,6 +343,7 @@ class TimeLevels:
         self.fields = self.points.count(ti.field(kind, self.points.slots + 1))
         self.divergence = self.points.field(real())
         self.number = self.points.field(ti.i32)
+        self.others: tuple[Any, ...] = ()
         self.passages = np.zeros(self.points.in_fluid, dtype=int)
         self.d_dx, self.d_dy = (ti.field(kind, self.points.slots + 1) for _ in range(2))
         self.d_dx.used = self.d_dy.used = None
@@ -479,11 +480,11 @@ class TimeLevels:
             self.fields[i] += transfer(self.operators, self.d_dx, self.d_dy, i, moved)
             self.position[i] = self.points.domain.wrap(self.coordinates.above_axis(self.points.position[i]))
 
-    def reorder(self, others: Any) -> None:
-        """Put the particles, and ``others`` of their fields, in the order of the cells of the last search."""
+    def reorder(self) -> None:
+        """Put the particles, with all fields that they carry, in the order of the cells of the last search."""
         fluid, order = self.points.in_fluid, view(self.points.order)[: self.points.fluid]
         order = order[order < fluid]
-        for field in (self.position, self.fields, self.divergence, self.number, *others):
+        for field in (self.position, self.fields, self.divergence, self.number, *self.others):
             active(field)[:fluid] = active(field)[order]
 
     @property

@@ -319,6 +319,12 @@ class ViscoelasticStress(ExtraStress):
             plane -= across.reshape(4, -1)
             gradient[5:, slips] = measured[:, slips]
 
+    def power(self, strain: np.ndarray, viscosity: float) -> np.ndarray:
+        """Return the power (points,) of solvent and polymer, S : D, per mass; see ``ExtraStress.power``."""
+        stress = self.modes.stress(self.state, self.stress_numbers)
+        count, weights = len(stress), np.array([0.5, 1.0, 0.5, 0.5, 1.0, 1.0])
+        return super().power(strain, viscosity) + np.einsum("c,cn,cn->n", weights[:count], stress, strain[:count])
+
     def store(self, velocity: Any, step: int) -> tuple[float, float, float]:
         """Store the P of the ``velocity`` at the end of a ``step`` as the newest level.
 

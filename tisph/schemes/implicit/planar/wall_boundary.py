@@ -319,7 +319,7 @@ class WallBoundary(Boundary):
     @property
     def carried_fields(self) -> tuple[Any, ...]:
         """Fields that particles, and the fluid at the points, carry from step to step."""
-        return (self.levels.fields, *self.extra_stress.fields)
+        return (self.levels.fields, *self.levels.others)
 
     @property
     def newest_velocities(self) -> np.ndarray:
@@ -379,15 +379,12 @@ class WallBoundary(Boundary):
             part.begin()
 
     def set_accelerations(self, equations: "Equations") -> None:
-        """Set the forcing at the points to body force minus acceleration of the walls, at the start."""
+        """Set the forcing at the points to minus the acceleration of the walls, at the start."""
         start = self.problem.start_time
         acceleration = self.walls.acceleration(start)
         for part in self.parts:
             acceleration = part.acceleration(acceleration)
-        acceleration = -acceleration
-        if self.problem.body_force:
-            acceleration += self.problem.unknowns_given(self.problem.body_force, *self.places.T, start)
-        view(equations.forcing)[self.slots] = self.corners.add_start_force(acceleration, self.slots)
+        view(equations.forcing)[self.slots] = self.corners.add_start_force(-acceleration, self.slots)
 
     def begin_without_inertia(self, time: float) -> None:
         """Begin at ``time``, with a flow that no earlier one alters."""

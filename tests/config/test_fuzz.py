@@ -41,6 +41,18 @@ geometry: {gap: 1.0, length: 2.0}
 walls: {top: {velocity: 0.5}}
 time: {end: 2.7}
 """
+HEATED = """\
+temperature:
+  conductivity: 1.0
+  heat_capacity: 1.0
+  initial: sin(pi*x)*exp(-y)
+  source: 0.1
+  walls: {top: 1.0, bottom: {flux: 0.1*t}}
+  viscosity: {type: arrhenius, activation_temperature: 2.0}
+  reference: 300.0
+  unit: K
+scalars: [{name: dye, diffusivity: 0.1, walls: {top: 1.0}, initial: max(x,y)}]
+"""
 WORDS = re.findall(r"[\w.]+|[^\w\s]|\n *", GOOD)
 
 HOSTILE = [
@@ -92,6 +104,15 @@ def test_hostile_keys_and_values_anywhere(outcome, text, most):
         outcome("\n".join([*lines[:place], text, *lines[place:]]))
     for override in (f"fluid.{text}=1", text, f"walls.treatment={text}"):
         outcome(SHORT, override)
+
+
+@pytest.mark.parametrize("text", HOSTILE, ids=lambda text: ascii(text[:20]))
+def test_hostile_keys_and_values_of_a_temperature(outcome, text):
+    draw = random.Random(text)
+    values = list(re.finditer(r"(?<=: )[\w.*(),+-]+?(?=[,}\n])", HEATED))
+    keys = list(re.finditer(r"\w+(?=:)", HEATED))
+    for match in draw.sample(values, 2) + draw.sample(keys, 1):
+        outcome(SHORT + HEATED[: match.start()] + text + HEATED[match.end() :])
 
 
 MORE = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(6, 40)]

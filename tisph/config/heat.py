@@ -7,7 +7,7 @@ import math
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from tisph.config.base import Model, Positive, Signed
 from tisph.config.fields import either
@@ -92,7 +92,19 @@ class Wlf(Model):
         return -math.log(10.0) * self.c1 * (temperature - reference) / np.where(above > 0.0, above, np.nan)
 
 
-ThermalLaw = Annotated[Exponential | Arrhenius | Wlf, Field(discriminator="type")]
+LAWS = {"exponential": Exponential, "arrhenius": Arrhenius, "wlf": Wlf}
+
+
+def _tag(law: Any) -> str:
+    return f"<{law.get('type') if isinstance(law, dict) else getattr(law, 'type', law)}>"
+
+
+ThermalLaw = Annotated[
+    Annotated[Exponential, Tag("<exponential>")]
+    | Annotated[Arrhenius, Tag("<arrhenius>")]
+    | Annotated[Wlf, Tag("<wlf>")],
+    Discriminator(_tag, "unknown_law", f"must be a map with a type: {', '.join(LAWS)}"),
+]
 
 
 class Temperature(Carried):

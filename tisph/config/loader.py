@@ -116,7 +116,8 @@ def _unknown_key(place: KeyPath, data: Any) -> str:
     field: Any = None
     for part in place[:-1]:
         data = data[part]
-        field = field if isinstance(part, int) else model.model_fields[part]  # all items of a list are of one kind
+        if model and part in model.model_fields:  # else an item of a list, or of a map of names: all are of one kind
+            field = model.model_fields[part]
         model = _model_below(field, data, isinstance(part, int))
     allowed = model.keys() if issubclass(model, Config) else list(model.model_fields)
     hint = HINTS.get(f"{place[0]}.{place[-1]}", HINTS.get(str(place[-1])))
@@ -169,7 +170,7 @@ def _model_below(field: FieldInfo, data: Any, is_item: bool) -> type[Model] | No
     """Return the model of the map ``data``, which is the value of ``field``, or an item of a list there."""
     marks = [*([] if is_item else field.metadata), *_marks(field.annotation, is_item)]
     members = [mark for mark in marks if isinstance(mark, Member)]
-    return members[0].model(data) if members else _static_model(field)
+    return members[0].model(data) if members else _static_model(field, data)
 
 
 def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
@@ -180,13 +181,16 @@ def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
         yield from _marks(each, of_items)
 
 
-def _static_model(field: FieldInfo) -> type[Model] | None:
-    choices = [field.annotation]
+def _static_model(field: FieldInfo, data: Any = None) -> type[Model] | None:
+    """Return the model in the type of a field; of models with a key ``type`` that of the map ``data``."""
+    choices, found = [field.annotation], []
     for each in choices:
-        if isinstance(each, type) and issubclass(each, Model):
-            return each
+        found += [each] if isinstance(each, type) and issubclass(each, Model) else []
         choices += get_args(each)
-    return None
+    named = data.get("type") if isinstance(data, dict) else None
+    typed = [each for each in found if "type" in each.model_fields]
+    fitting = [each for each in typed if named in get_args(each.model_fields["type"].annotation)]
+    return next(iter([*fitting, *found]), None)
 
 
 Asked: TypeAlias = "str | PathLike[str] | Mapping[str, Any] | Config"

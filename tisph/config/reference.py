@@ -9,6 +9,8 @@ import re
 import textwrap
 import typing
 from collections.abc import Iterable, Iterator, Sequence
+from functools import reduce
+from operator import or_
 from pathlib import Path
 from typing import Any
 
@@ -116,8 +118,12 @@ def fields(model: type[Model], above: str = "") -> Iterator[tuple[str, FieldInfo
     """Yield dotted key and field of a model; members of a family have their keys apart."""
     for name, field in model.model_fields.items():
         yield f"{above}{name}", field
-        for below in models(field.annotation):
-            yield from fields(below, f"{above}{name}.")
+        below = list(models(field.annotation))
+        for each in below:
+            yield from fields(each, f"{above}{name}.")
+        types: list[Any] = [each.model_fields["type"].annotation for each in below if "type" in each.model_fields]
+        if len(types) > 1:
+            yield f"{above}{name}.type", FieldInfo(annotation=reduce(or_, types))
         for key, added in added_keys(field.annotation).items():
             yield f"{above}{name}.{key}", added
 

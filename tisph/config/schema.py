@@ -347,6 +347,11 @@ def problems(config: Config) -> Iterator[Problem]:
     yield from list(_size(config)) or list(_across(config)) or list(config.incommensurate()) or _precision(config)
 
 
+def _item(data: Any, part: Any) -> Any:
+    """Return the value of a key of a model or map, or an item of a list."""
+    return data[part] if isinstance(data, tuple | dict) else getattr(data, part)
+
+
 def raise_problems(config: Config) -> None:
     """Raise one ValidationError with all problems of the validated config, if there are any."""
     found: list[tuple[Any, ...]] = []
@@ -355,7 +360,7 @@ def raise_problems(config: Config) -> None:
         place, *other_places = (
             tuple(int(part) if part.isdigit() else part for part in each.split(".")) for each in (key, *others)
         )
-        value = reduce(lambda data, part: data[part] if isinstance(part, int) else getattr(data, part), place, whole)
+        value = reduce(_item, place, whole)
         found.append((place, text, value, *other_places))
     if found:
         raise refusals(found)

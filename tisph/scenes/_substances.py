@@ -179,7 +179,8 @@ def _temperature_problems(config: "Config", section: Temperature) -> Iterator[Pr
                 with np.errstate(all="ignore"):
                     exponent = float(section.viscosity.exponent(np.float64(value), section.reference))
                 if not abs(exponent) <= LARGEST_EXPONENT:
-                    yield f"temperature.{name}", f"{value:g} has no viscosity: the factor of the law is exp({exponent:g})"
+                    text = f"must have a viscosity: the factor of the law is exp({exponent:g}) there"
+                    yield f"temperature.{name}", text
     held = any(not isinstance(value, Flux) for value in (*section.walls.values(), *section.bodies))
     walls = not all(config.periodic) or getattr(config, "bodies", None)
     if section.viscous_heating and walls and not (held or section.walls or section.bodies or config.flows_through):

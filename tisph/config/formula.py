@@ -28,7 +28,7 @@ OF_PLACES |= {"min": lambda *values: reduce(np.minimum, values), "max": lambda *
 """Functions of a formula of places and time, for arrays."""
 
 
-class NoFormula(ValueError):
+class FormulaError(ValueError):
     """A text that is no formula; its message says what formulas may have."""
 
 
@@ -39,7 +39,7 @@ def is_number(value: Any) -> bool:
 
 @cache
 def compiled(source: str, functions: Sequence[str]) -> tuple[CodeType, frozenset[str]]:
-    """Return the code of a formula with these ``functions``, and its names beside pi; NoFormula for other texts.
+    """Return the code of a formula with these ``functions``, and its names beside pi; FormulaError for other texts.
 
     In the code a name is a call of ``number`` with it. Numbers are floats: powers of floats overflow at once, powers of
     whole numbers take any time and memory.
@@ -47,12 +47,12 @@ def compiled(source: str, functions: Sequence[str]) -> tuple[CodeType, frozenset
     try:
         tree = ast.parse(source, mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise NoFormula("") from None
+        raise FormulaError("") from None
     for node in ast.walk(tree):
         if not isinstance(node, ARITHMETIC) or (isinstance(node, ast.Constant) and not is_number(node.value)):
-            raise NoFormula(f"only numbers, names, + - * / ** and {', '.join(functions)}")
+            raise FormulaError(f"only numbers, names, + - * / ** and {', '.join(functions)}")
         if isinstance(node, ast.Call) and (getattr(node.func, "id", None) not in functions or node.keywords):
-            raise NoFormula(f"the functions are {', '.join(functions)}")
+            raise FormulaError(f"the functions are {', '.join(functions)}")
     lookup = _Lookup()
     return compile(lookup.visit(tree), "<formula>", "eval"), frozenset(lookup.names)
 
@@ -120,7 +120,7 @@ def _formula(allowed: str) -> Any:
             raise refusal(f"must be {words}, of at most {LONGEST} characters")
         try:
             _, names = compiled(text, tuple(OF_PLACES))
-        except NoFormula:
+        except FormulaError:
             raise refusal(f"must be {words}") from None
         if not names <= {"x", "y", "t"}:
             raise refusal(f"must be {words}; {', '.join(sorted(names - {'x', 'y', 't'}))} has no value")

@@ -4,7 +4,7 @@ The equations are in docs/theory/heat.md. Walls and bodies without a condition l
 """
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
@@ -38,7 +38,7 @@ class Carried(Model):
     that at the start.
     """
 
-    unset_keys = ("walls", "bodies", "inlet")
+    unset_keys: ClassVar[tuple[str, ...]] = ("walls", "bodies", "inlet")
 
     initial: FieldValue = 0.0
     source: FieldValue = 0.0
@@ -116,7 +116,7 @@ class Temperature(Carried):
     ``viscosity``: factor of viscosity and relaxation times, 1 at the ``reference``. ``unit``: label of the unit.
     """
 
-    unset_keys = (*Carried.unset_keys, "gravity", "viscosity")
+    unset_keys: ClassVar[tuple[str, ...]] = (*Carried.unset_keys, "gravity", "viscosity")
 
     conductivity: Positive
     heat_capacity: Positive

@@ -281,8 +281,8 @@ class Config(Model):
 
 
 ORDER = (
-    "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "temperature", "scalars", "reference",
-    "discretisation", "scheme", "time", "accuracy", "probes", "output", "runtime",
+    "name", "title", "scene", "units", "fluid", "geometry", "walls", "ends", "drive", "initial", "temperature",
+    "scalars", "reference", "discretisation", "scheme", "time", "accuracy", "probes", "output", "runtime",
 )  # fmt: skip
 """Order of the keys in a resolved config; other keys come with ``geometry``."""
 

@@ -33,13 +33,13 @@ def carried(config: "Config") -> dict[str, Carried]:
     return found | {f"scalars.{index}": scalar for index, scalar in enumerate(config.scalars)}
 
 
-def condition_keys(flow: Any) -> list[tuple[str, int]]:
+def condition_keys(flow: Any) -> list[tuple[str, str]]:
     """Return pairs (section, name or number) of the conditions of each wall and body of a flow, in its order."""
     if flow.parallel:
         return [("walls", "bottom"), ("walls", "top")]
     names = [key_of(name) for name in getattr(flow, "names", ())] + [""] * len(flow.bodies)
     pairs = [("bodies.0" if name == "sphere" else name).partition(".") for name in names[: len(flow.bodies)]]
-    return [(section, int(name) if section == "bodies" else name) for section, _, name in pairs]
+    return [(section, name) for section, _, name in pairs]
 
 
 def _conditions(section: Carried, flow: Any) -> Iterator[Condition]:
@@ -47,9 +47,9 @@ def _conditions(section: Carried, flow: Any) -> Iterator[Condition]:
     for place, name in condition_keys(flow):
         given: Any = section.walls.get(name) if place == "walls" else None
         if place == "walls" and given is None:  # all sides of a closed wall have one name
-            given = section.walls.get(str(name).rpartition("_")[0])
+            given = section.walls.get(name.rpartition("_")[0])
         if place == "bodies" and section.bodies:
-            given = section.bodies[name if len(section.bodies) > 1 else 0]
+            given = section.bodies[int(name) if len(section.bodies) > 1 else 0]
         if isinstance(given, Flux):
             yield Condition(flux=FieldFormula(given.flux))
         else:
@@ -90,13 +90,13 @@ def _substance(config: "Config", key: str, section: Any, flow: Any) -> Substance
         effects["gravity"] = section.gravity or (0.0, 0.0)
     diffusivity = section.conductivity / capacity if isinstance(section, Temperature) else section.diffusivity
     inlet = section.initial if section.inlet is None else section.inlet
-    formulas = {"initial": section.initial, "source": section.source, "inlet": inlet}
+    effects |= {"initial": FieldFormula(section.initial), "source": FieldFormula(section.source)}
     found = Substance(
         name=name,
         unit=unit,
         diffusivity=diffusivity,
         capacity=capacity,
-        **{key: FieldFormula(value) for key, value in formulas.items()},
+        inlet=FieldFormula(inlet),
         conditions=tuple(_conditions(section, flow)),
         scale=1.0,
         **effects,
@@ -139,6 +139,8 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
             yield from _condition_problems(key, section, flow)
     if config.temperature:
         yield from _temperature_problems(config, config.temperature)
+    if config.parallel:
+        yield next(iter(sections)), "is for two-dimensional flow yet: take scene region in place of a channel"
 
 
 TAKEN = ("temperature", "x", "y", "u", "v", "w", "t", "step", "area", "density", "pressure", "passages", "bodies")
@@ -148,7 +150,7 @@ TAKEN = ("temperature", "x", "y", "u", "v", "w", "t", "step", "area", "density",
 def _condition_problems(key: str, section: Carried, flow: Any) -> Iterator[Problem]:
     """Yield errors of conditions at walls and bodies that the ``flow`` does not have."""
     keys = condition_keys(flow)
-    walls = [str(name) for place, name in keys if place == "walls"]
+    walls = [name for place, name in keys if place == "walls"]
     known = {*walls, *(name.rpartition("_")[0] for name in walls)} - {""}
     for name in section.walls:
         if name not in known:
@@ -181,6 +183,9 @@ def _temperature_problems(config: "Config", section: Temperature) -> Iterator[Pr
                 if not abs(exponent) <= LARGEST_EXPONENT:
                     text = f"must have a viscosity: the factor of the law is exp({exponent:g}) there"
                     yield f"temperature.{name}", text
+    if section.viscosity and not config.parallel and config.fluid.polymer:
+        text = "is for fluids without polymer in two-dimensional flow: leave it out, or take a parallel channel"
+        yield "temperature.viscosity", text
     held = any(not isinstance(value, Flux) for value in (*section.walls.values(), *section.bodies))
     walls = not all(config.periodic) or getattr(config, "bodies", None)
     if section.viscous_heating and walls and not (held or section.walls or section.bodies or config.flows_through):

@@ -31,10 +31,11 @@ from typing import Any
 import numpy as np
 
 from tisph.config.fields import nearest
+from tisph.config.formula import is_number
 from tisph.measures.metrics import fitted_order
 from tisph.references import table
 from tisph.studies import measures
-from tisph.studies.expressions import Number, SuiteError, is_number
+from tisph.studies.expressions import Number, SuiteError
 from tisph.studies.processes import Result
 
 COMPARED = ("run", "t", "t_star", "over", "near")

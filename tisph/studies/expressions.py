@@ -16,7 +16,7 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 from tisph.config.fields import nearest
-from tisph.config.formula import NoFormula, compiled, evaluated, is_number
+from tisph.config.formula import FormulaError, compiled, evaluated
 from tisph.errors import ConfigError
 from tisph.measures.channel import wall_shear_error
 
@@ -27,6 +27,7 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     name: getattr(math, name) for name in ("sqrt", "hypot", "sin", "cos", "exp", "log")
 }
 FUNCTIONS |= {"abs": abs, "max": lambda *numbers: math.nan if any(map(math.isnan, numbers)) else max(numbers)}
+
 
 class SuiteError(Exception):
     """An entry that cannot be understood: the key to blame, None for the entry itself, and the reason."""
@@ -40,7 +41,7 @@ def _compiled(source: str, key: str) -> CodeType:
     """Return the code of an expression, in which a name is a call of ``number`` with it; SuiteError for other texts."""
     try:
         return compiled(source, tuple(FUNCTIONS))[0]
-    except NoFormula as error:
+    except FormulaError as error:
         reason = f": {error}" if str(error) else " is no arithmetic expression, such as drag/superficial_velocity"
         raise SuiteError(key, f"{source!r}{reason}") from None
 

@@ -36,8 +36,8 @@ from typing import Any
 
 import numpy as np
 
-from tisph.runtime import real, ti, view
 from tisph.rheology import newtonian
+from tisph.runtime import real, ti, view
 from tisph.schemes._local_newton import SMALL
 from tisph.schemes.implicit.planar.parts import ExtraStress, rate_squared
 from tisph.schemes.implicit.planar.problem import Problem

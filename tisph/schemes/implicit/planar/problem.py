@@ -38,8 +38,9 @@ class Problem(Box):
     """``n_fluid`` particles of a fluid in a box, between ``walls`` or periodic, in any consistent units.
 
     * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
-      Newtonian, else None. ``substances``: temperature and dissolved substances. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
+      Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
       minus 1 of its modes; None for a start from rest.
+    * ``substances``: temperature and dissolved substances.
     * ``spacing_sources``, ``growth``: of the spacing that is wanted at each place, at most ``spacing``.
     * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
     * ``walls``: None without any; the box extends beyond walls by more than the support of operators. ``corners``

@@ -199,7 +199,7 @@ class PlanarScheme(ControlledScheme):
         extra_stress.begin(stress[:own])
         force = self.body_force(self.time)
         forced = force is not None
-        if forced:
+        if force is not None:
             forcing = view(self.equations.forcing)
             forcing[:fluid] = force[:fluid]
             forcing[self.points.on_walls] += force[fluid:]

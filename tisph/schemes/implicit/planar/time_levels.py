@@ -327,8 +327,8 @@ class TimeLevels:
     ``fastest``: largest newest velocity that moves a particle, relative to the mean where particles are
     ``carried_along``; ``largest``: the same with the velocity around the axis; ``fastest_relative``: the largest one
     over the relative spacing of its particle. ``number`` (fluid): number of a particle
-    at the start, as their order in memory changes. ``others``: further fields that particles carry. ``passages`` (particles,): how often the fluid of a number has left,
-    and other fluid has taken its place.
+    at the start, as their order in memory changes. ``passages`` (particles,): how often the fluid of a number has left,
+    and other fluid has taken its place. ``others``: further fields that particles carry.
 
     """
 

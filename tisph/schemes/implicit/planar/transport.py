@@ -129,7 +129,7 @@ class CarriedSubstances(Transport):
         return self.places[1] if self.problem.axisymmetric else 1.0
 
     @property
-    def factor(self) -> Any:  # type: ignore[override]
+    def factor(self) -> Any:
         """Factor (points,) of viscosity and relaxation times, 1 without an effect."""
         result: Any = 1.0
         for each, values in zip(self.substances, self.present, strict=True):
@@ -205,7 +205,10 @@ class CarriedSubstances(Transport):
         self.assemble()
         levels = self.stored.astype(float)
         self.history = levels @ alpha
-        self.extrapolated, self.lower = levels @ weights.extrapolation(VELOCITIES), levels @ weights.lower_extrapolation()
+        self.extrapolated, self.lower = (
+            levels @ weights.extrapolation(VELOCITIES),
+            levels @ weights.lower_extrapolation(),
+        )
         self.present = self.extrapolated.T.copy()
         return self.solve_all(velocity)
 
@@ -264,7 +267,7 @@ class CarriedSubstances(Transport):
         return not failed
 
     def power(self, velocity: np.ndarray) -> np.ndarray:
-        """Return the power of all stresses per mass at the particles, for the unknown ``velocity`` (points, numbers)."""
+        """Return the power of all stresses per mass at the particles, for a ``velocity`` (points, numbers)."""
         by_x, by_y = ((matrix @ velocity).T for matrix in (self.by_x, self.by_y))
         if not self.problem.axisymmetric:
             along, shear, none = by_x[0] - by_y[1], by_x[1] + by_y[0], np.zeros_like(by_x[0])
@@ -307,7 +310,6 @@ class CarriedSubstances(Transport):
         stored[:, :, 0] = self.present.T
         self.measure()
         self.flows = [self.flow(), *self.flows][:FLOW_LEVELS]
-        x, y = self.places
         areas = self.problem.spacing**2 * np.broadcast_to(self.points.areas, self.points.in_fluid)
         areas = areas * self.problem.circumferences(view(self.points.position)[: self.points.in_fluid, 1])
         made = [each.capacity * (areas @ rate) for each, rate in zip(self.substances, self.made, strict=True)]

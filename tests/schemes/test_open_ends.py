@@ -193,7 +193,7 @@ def test_particles_that_jump_to_the_inlet_have_passed_whatever_their_order():
         before, order = scheme.snapshot(), view(scheme.levels.number)
         while not simulation.finished:
             simulation.step()
-            scheme.levels.reorder(scheme.extra_stress.fields)
+            scheme.levels.reorder()
             scheme.output_cache = None
             after = scheme.snapshot()
             assert np.array_equal(after.passages - before.passages, after.x - before.x < -0.5)

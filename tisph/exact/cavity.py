@@ -88,7 +88,7 @@ class _Equations:
 
     def __init__(self, aspect: float, order: int) -> None:
         self.aspect = aspect
-        self.basis = _clamped(order)
+        self.basis = clamped(order)
         node, weight = legendre.leggauss(order + 5)  # exact for lap psi lap phi with the lift
         self.place = 0.5 * (1 + node)
         values = [legendre.legvander(node, order - k) @ legendre.legder(self.basis, k) for k in range(3)]
@@ -140,8 +140,11 @@ class _Equations:
         return np.outer(LID.deriv(i)(self.place), height) * self.aspect ** (1 - j)
 
 
-def _clamped(order: int) -> np.ndarray:
-    """Return the Legendre coefficients (order + 1, order - 3) of the functions f_k, scaled so that int f_k''^2 = 1."""
+def clamped(order: int) -> np.ndarray:
+    """Return the Legendre coefficients (order + 1, order - 3) of the functions f_k, scaled so that int f_k''^2 = 1.
+
+    The k-th function has the parity of k.
+    """
     k = np.arange(order - 3)
     scale = 1 / np.sqrt(2 * (2 * k + 3) ** 2 * (2 * k + 5))
     basis = np.zeros((order + 1, order - 3))

@@ -15,7 +15,7 @@ enter the weak form; nodes at walls with a given speed or temperature are known.
 continued from the fluid without dissipation; start-up by collocation in the root of the time since the start, or
 since the last time at which a wall speed jumps or bends.
 
-Accuracy, relative to the largest value: 1e-12 in steady flow up to Nahme numbers of 2000, and 1e-9 in start-up. A wall
+Accuracy, relative to the largest value: 1e-12 in steady flow up to Nahme numbers of 2000, and 3e-9 in start-up. A wall
 speed that jumps while dissipation heats the fluid has an error of 5e-8 from t* = nu t/gap^2 = 0.01 on, 3e-7 at 0.001.
 
 Sources: R. B. Bird, W. E. Stewart and E. N. Lightfoot, Transport Phenomena, tables B.8 and B.9 and section 10.9, for

@@ -65,13 +65,18 @@ def test_steady_flow_between_plates_has_the_printed_values(flow, velocity, tempe
 
 
 def test_steady_flow_between_cylinders_has_the_printed_values():
-    """shared/reference/slip_layers_heat.md, section 3: torque 10 on the inner cylinder."""
-    walls = Wall(0.0, speed=None, stress=10.0 / (2 * np.pi)), COLD
-    found = HeatedShear((1, 2), walls, exponential, 1.0, geometry="around").steady()
-    assert matches(found.velocity(1.0), "0.63203275")
-    assert matches(found.velocity(1 + QUARTERS), "0.4149167, 0.24398624, 0.10929819")
-    assert matches(found.temperature(1 + QUARTERS), "0.080563263, 0.079438775, 0.045995028")
-    assert -4 * found.shear_stress(2.0) == pytest.approx(10.0 / (2 * np.pi), rel=1e-11)
+    """shared/reference/slip_layers_heat.md, section 3: torque 10 on the inner cylinder; also with twice the radii.
+
+    There half the stress, twice the torque, has the same velocities and temperatures.
+    """
+    for size in (1.0, 2.0):
+        walls = Wall(0.0, speed=None, stress=10.0 / (2 * np.pi) / size), COLD
+        found = HeatedShear((size, 2 * size), walls, exponential, 1.0, geometry="around").steady()
+        assert matches(found.velocity(size), "0.63203275")
+        assert matches(found.velocity(size * (1 + QUARTERS)), "0.4149167, 0.24398624, 0.10929819")
+        assert matches(found.temperature(size * (1 + QUARTERS)), "0.080563263, 0.079438775, 0.045995028")
+        torque = -2 * np.pi * (2 * size) ** 2 * found.shear_stress(2 * size)
+        assert torque == pytest.approx(10.0 * size, rel=1e-11)
 
 
 @pytest.mark.parametrize(
@@ -165,12 +170,22 @@ def test_start_up_without_heating_is_that_of_conduction_and_of_couette_flow():
         assert found.at(time).temperature(y) == pytest.approx(heat.temperature(y, time), abs=1e-9)
         assert found.at(time).velocity(y) == pytest.approx(couette.velocity(y, time, **unit), abs=1e-9)
     walls = Wall(heat_flux=0.6, speed=None, stress=0.3), Wall(3.0)
-    free = HeatedShear((1, 2), walls, lambda T, g: 0.7, 0.7, heating=False, geometry="along")
-    found = StartUp(free).at(0.2)
-    heat = Conduction((1.0, 2.0), (ThermalWall(heat_flux=0.6), ThermalWall(3.0)), 0.7, 0.7, cylindrical=True)
-    pull = Conduction((1.0, 2.0), (ThermalWall(heat_flux=0.3), ThermalWall(0.0)), 0.7, 0.7, cylindrical=True)
-    assert found.temperature(1 + y) == pytest.approx(heat.temperature(1 + y, 0.2), abs=1e-9)
-    assert found.velocity(1 + y) == pytest.approx(pull.temperature(1 + y, 0.2), abs=1e-9)
+    free = HeatedShear((0.4, 1.4), walls, lambda T, g: 0.7, 0.7, heating=False, geometry="along")
+    found, r = StartUp(free).at(0.2), 0.4 + y
+    heat = Conduction((0.4, 1.4), (ThermalWall(heat_flux=0.6), ThermalWall(3.0)), 0.7, 0.7, cylindrical=True)
+    pull = Conduction((0.4, 1.4), (ThermalWall(heat_flux=0.3), ThermalWall(0.0)), 0.7, 0.7, cylindrical=True)
+    assert found.temperature(r) == pytest.approx(heat.temperature(r, 0.2), abs=1e-9)
+    assert found.velocity(r) == pytest.approx(pull.temperature(r, 0.2), abs=1e-9)
+
+
+def test_a_late_pulse_of_a_wall_is_not_stepped_over():
+    """Start-up of plane Couette flow at 4, minus start-up at 4.01; without its breaks the flow would stay at rest."""
+    pulse = Wall(speed=lambda t: 1.0 if 4.0 < t <= 4.01 else 0.0)
+    found = StartUp(HeatedShear((0, 1), (COLD, pulse), constant, 1.0, heating=False), breaks=[4.0, 4.01])
+    y, unit = np.linspace(0.0, 1.0, 21), {"gap": 1.0, "kinematic_viscosity": 1.0, "bottom": 0.0, "top": 1.0}
+    assert found.at(4.005).velocity(y) == pytest.approx(couette.velocity(y, 0.005, **unit), abs=1e-9)
+    expected = couette.velocity(y, 0.1, **unit) - couette.velocity(y, 0.09, **unit)
+    assert found.at(4.1).velocity(y) == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("geometry", ["plates", "along", "around"])

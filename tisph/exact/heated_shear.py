@@ -127,7 +127,8 @@ class HeatedShear:
 class StartUp:
     """The ``flow`` from rest and the uniform temperature ``initial`` at t = 0 on.
 
-    ``breaks``: times > 0 at which the speed of a wall jumps or bends.
+    ``breaks``: times > 0 at which the speed of a wall jumps or bends. A change that is not named may fall between the
+    points of a step.
     """
 
     def __init__(self, flow: HeatedShear, initial: float = 0.0, breaks: Sequence[float] = ()) -> None:

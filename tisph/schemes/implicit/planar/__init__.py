@@ -66,7 +66,8 @@ def build(config: Config, scene: Scene, targets: Sequence[float], serial: bool) 
     """Return the ``PlanarScheme`` of a scene."""
     from tisph.schemes.implicit.planar.scheme import PlanarScheme  # imports Taichi
 
-    return PlanarScheme(problem_of(scene), targets, serial, *_steps(config), config.scheme.error_ratio)
+    ratio = None if scene.substances else config.scheme.error_ratio  # the divergence shows no error of a temperature
+    return PlanarScheme(problem_of(scene), targets, serial, *_steps(config), ratio)
 
 
 def _steps(config: Config) -> tuple[float | None, float]:

@@ -59,7 +59,7 @@ class SingularPaths:
             for name in ("speed", "angle", "kinematic_viscosity", "decay_length", "pressure_coefficient")
         )
         self.weights = holding(ti.field(ti.types.vector(VELOCITIES, real()), N_TIMES), 0.0)
-        self.positions, self.found = self.points.field(vector), self.points.field(vector)
+        self.positions, self.found = self.points.field(vector), ti.field(vector, self.points.capacity)
         self.found.used = None
 
     def find(self, weights: Callable[[Any], np.ndarray], dt: float) -> np.ndarray:

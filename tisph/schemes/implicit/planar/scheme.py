@@ -475,7 +475,7 @@ class PlanarScheme(ControlledScheme):
         if view(levels.fastest) > limits.RUNAWAY * self.problem.reference_velocity:
             text = f"{limits.RUNAWAY:g} times the reference velocity {self.present_step}"
             cure = ": give reference.velocity, if the body force drives this flow" if self.problem.body_force else ""
-            raise DivergedError(f"u, v: above {text}{cure}")
+            raise DivergedError(f"u, v: above {text}{cure}{self.transport.cause_of_speed}")
         if (self.steps + 1) % REORDER_INTERVAL == 0:
             levels.reorder()
         elif self.points.graded:

@@ -26,6 +26,7 @@ from tisph.measures.substance import Condition, Substance
 from tisph.numerics.point_cloud import active
 from tisph.numerics.stokes import SparseRows
 from tisph.runtime import real, ti, view
+from tisph.schemes.implicit.planar.open_ends import UNJUDGED
 from tisph.schemes.implicit.planar.parts import Boundary, ExtraStress
 from tisph.schemes.implicit.planar.time_levels import VELOCITIES, TimeLevels, TimeWeights, gradients, transfer
 
@@ -48,6 +49,11 @@ class Transport:
     fields: Sequence[Any] = ()
     parts: Mapping[str, Any] = {}
     factor: Any = 1.0
+
+    @property
+    def cause_of_speed(self) -> str:
+        """Cause of velocities that grow without end, for a message; empty where it is not a temperature."""
+        return ""
 
     def begin(self, values: Sequence[np.ndarray], time: float) -> None:
         """Start at ``time``, with ``values`` of the ``fields`` that earlier flow has left, if any."""
@@ -138,6 +144,17 @@ class CarriedSubstances(Transport):
         if not np.all(np.isfinite(result)):
             raise DivergedError("temperature: it has left the range in which its law has a viscosity")
         return result
+
+    @property
+    def cause_of_speed(self) -> str:
+        """Cause of velocities that grow without end: heat by which the viscosity falls."""
+        pairs = zip(self.substances, self.present, strict=True)
+        highest = max((float(values.max()) for each, values in pairs if each.heating and each.law), default=None)
+        if highest is None:
+            return ""
+        return (
+            f": the temperature has risen to {highest:.4g}, and heat is made faster than walls take it; no steady flow"
+        )
 
     def begin(self, values: Sequence[np.ndarray], time: float) -> None:
         """Start with the initial values, or with ``values`` of an earlier flow; points on walls have their own."""
@@ -282,6 +299,9 @@ class CarriedSubstances(Transport):
     def error(self, speed: float) -> tuple[float, float]:
         """Return the largest root mean square difference from extrapolated T, over its scale, times ``speed``."""
         first, weights = self.points.in_fluid, np.broadcast_to(self.points.areas, self.points.in_fluid)
+        for end in self.problem.open_ends:
+            away = np.abs(view(self.points.position)[:first, 0] - end) / self.problem.spacing
+            weights = np.where(away > UNJUDGED, weights, 0.0)
         differences = []
         for guess in (self.extrapolated, self.lower):
             squares = np.average(np.square(self.present.T - guess)[:first], weights=weights, axis=0)

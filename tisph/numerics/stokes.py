@@ -112,39 +112,29 @@ class WallRows:
 
 
 class SparseRows:
-    """Layout of the rows of least-squares operators in sparse matrices of all ``points``."""
+    """Layout, as sparse matrices, of the rows ``low`` to ``high`` of least-squares operators of ``points``."""
 
-    def __init__(self, points: Any) -> None:
-        self.n = n = points.fluid
-        self.row, self.listed = points.rows_of(slice(n))
+    def __init__(self, points: Any, low: int, high: int) -> None:
+        self.shape = high - low, points.fluid
+        self.row, self.listed = points.rows_of(slice(low, high))
         table = view(points.neighbours)[self.row]
-        self.listed &= table < n
+        self.listed &= table < points.fluid
         ends = np.cumsum(1 + self.listed.sum(axis=1))
         self.begins = np.concatenate([[0], ends])
         self.first = self.begins[:-1]
-        self.others = np.ones(ends[-1], dtype=bool)
+        self.others = np.ones(ends[-1] if len(ends) else 0, dtype=bool)
         self.others[self.first] = False
-        self.columns = np.empty(ends[-1], dtype=np.int32)
-        self.columns[self.first], self.columns[self.others] = np.arange(n), table[self.listed]
+        self.columns = np.empty(len(self.others), dtype=np.int32)
+        self.columns[self.first], self.columns[self.others] = np.arange(low, high), table[self.listed]
 
-    def entries(self, operator: Any) -> np.ndarray:
-        """Return the entries of all rows of an ``operator``, a field, the one of the point itself first."""
-        entries = np.zeros(self.begins[-1])
-        entries[self.others] = view(operator)[self.row[self.listed]]
-        entries[self.first] = -np.add.reduceat(entries, self.first)
-        return entries
-
-    def part(self, entries: np.ndarray, low: int, high: int) -> Any:
-        """Return the matrix (high - low, points) of the rows ``low`` to ``high`` with these ``entries`` of all rows."""
+    def matrix(self, operator: Any) -> Any:
+        """Return the matrix (rows, points) of an ``operator``, a field; the entry of the point itself comes first."""
         from scipy.sparse import csr_matrix
 
-        begins, part = self.begins, slice(self.begins[low], self.begins[high])
-        shape = high - low, self.n
-        return csr_matrix((entries[part], self.columns[part], begins[low : high + 1] - begins[low]), shape)
-
-    def matrix(self, operator: Any, low: int, high: int) -> Any:
-        """Return the matrix (high - low, points) of the rows ``low`` to ``high`` of an ``operator``, a field."""
-        return self.part(self.entries(operator), low, high)
+        entries = np.zeros(len(self.others))
+        entries[self.others] = view(operator)[self.row[self.listed]]
+        entries[self.first] = -np.add.reduceat(entries, self.first) if len(self.first) else 0.0
+        return csr_matrix((entries, self.columns, self.begins), self.shape)
 
 
 class StokesSolver:
@@ -167,12 +157,12 @@ class StokesSolver:
 
         points, operators, self.rows = self.points, self.operators, rows
         n, fluid = self.n, self.fluid = points.fluid, points.in_fluid
-        layout = SparseRows(points)
+        layout = SparseRows(points, 0, n)
 
         def matrix(field: Any) -> tuple[Any, Any, Any]:
             """Return the matrices of all rows, of the rows of the fluid and of the rows of the walls."""
-            entries = layout.entries(field)
-            return layout.part(entries, 0, n), layout.part(entries, 0, fluid), layout.part(entries, fluid, n)
+            whole = layout.matrix(field)
+            return whole, whole[:fluid], whole[fluid:]
 
         self.laplacian, self.fluid_laplacian, self.wall_laplacian = matrix(operators.laplacian)
         self.d_dx, self.fluid_x, self.wall_x = matrix(operators.d_dx)

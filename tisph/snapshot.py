@@ -122,7 +122,9 @@ class Snapshot:
 
     ``substances``: arrays (particles_fluid,) of the temperature and of dissolved substances by name, None without any.
     ``flows`` (substances, walls): amount of each that flows from each wall or body into the fluid in a time, per length
-    in planar flow; heat of the temperature. In a channel the walls are the bottom and the top.
+    in planar flow; heat of the temperature. In a channel the walls are the bottom and the top. ``received``
+    (substances,): amount of each that the fluid has received since the start, through walls, from sources and by
+    heating.
     """
 
     t: float
@@ -154,6 +156,7 @@ class Snapshot:
     area: np.ndarray | None = None
     substances: dict[str, np.ndarray] | None = None
     flows: np.ndarray | None = None
+    received: np.ndarray | None = None
 
     @property
     def weight(self) -> Any:

@@ -26,7 +26,9 @@ RUNS = {
     "sphere_in_stream": {"discretisation.particles_across": 24},
     "carried_circle": {"discretisation.particles_across": 24},
 }
-OTHERS = "cylinder_in_channel taylor_green shear_layer cavity taylor_vortices falling_ball couette_slip"
+OTHERS = "cylinder_in_channel taylor_green shear_layer taylor_vortices falling_ball couette_slip"
+HEATED = {"conductivity": 1.0, "heat_capacity": 1.0, "walls": {"left": 1.0, "right": 0.0}}
+RUNS["cavity"] = {"temperature": HEATED, "scalars": [{"name": "dye", "diffusivity": 1.0, "initial": "x"}]}
 RUNS |= {name: {} for name in (*OTHERS.split(), "pressure_driven_channel", "wavy_pipe")}
 FEW = "creep_and_recovery", "cylinder_in_channel", "cavity", "spin_up"
 """A stress-controlled wall, bodies, a scene without a reference, axisymmetric flow with a polymer."""
@@ -41,9 +43,11 @@ def run(config, folder, **changes):
 
 
 def plain(name):
-    """A key without the number or the wall of a body, and without the mark of an exact value."""
+    """A key without the number or the wall of a body, the name of a substance, and the mark of an exact value."""
     name = re.sub(r"_exact$", "", name)
     name = re.sub(r"^(force|torque)_(body_\d+|bottom|top|left|right|around_\d+)$", r"\1_NAME", name)
+    name = re.sub(r"^dye(?=_|$)", "NAME", name)
+    name = re.sub(r"^((?:heat|NAME)_flow|nusselt)_(bottom|lid|left|right)$", r"\1_WALL", name)
     return re.sub(r"_(\d+|around)$|^(drag|lift)(_pressure)?_(bottom|top)$", r"\2\3", name)
 
 

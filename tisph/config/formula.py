@@ -4,7 +4,7 @@ import ast
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, reduce
+from functools import cache, reduce
 from types import CodeType
 from typing import Annotated, Any
 
@@ -93,11 +93,7 @@ class FieldFormula:
 
     given: float | str
 
-    @cached_property
-    def _code(self) -> CodeType:
-        return compiled(str(self.given), tuple(OF_PLACES))[0]
-
-    @cached_property
+    @property
     def varies(self) -> bool:
         """Whether the value depends on time."""
         return isinstance(self.given, str) and "t" in compiled(self.given, tuple(OF_PLACES))[1]
@@ -108,7 +104,8 @@ class FieldFormula:
             return np.full(np.shape(x), float(self.given))
         values = {"x": np.asarray(x, dtype=float), "y": np.asarray(y, dtype=float), "t": t}
         with np.errstate(all="ignore"):  # values that are not finite stop the run in words
-            return evaluated(self._code, OF_PLACES, values.__getitem__) + np.zeros(np.shape(x))
+            code, _ = compiled(self.given, tuple(OF_PLACES))
+            return evaluated(code, OF_PLACES, values.__getitem__) + np.zeros(np.shape(x))
 
 
 def _formula(allowed: str) -> Any:

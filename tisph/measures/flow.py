@@ -212,6 +212,12 @@ class FlowInBox(FlowDefaults):
         return self.rows * self.columns
 
     @property
+    def fluid_area(self) -> float:
+        """Area of the fluid."""
+        width, height = self.extent
+        return width * height
+
+    @property
     def has_free_bodies(self) -> bool:
         """Whether the flow carries any of the ``bodies``."""
         return any(body.free for body in self.bodies)

@@ -62,6 +62,7 @@ class Description:
     def units(self) -> dict[str, str]:
         """Unit of each field by its name."""
         length, mass, time = (getattr(self.config.units, name) for name in ("length", "mass", "time"))
+        carried = self.scene.substances
         fields = {"x": length, "y": length, "u": f"{length}/{time}", "v": f"{length}/{time}", "w": f"{length}/{time}"}
         stresses = ("pressure", *STRESSES, *STRESSES_AROUND, "normal_stress")
         fields |= {"centre": length, "velocity": f"{length}/{time}", "angle": "rad", "angular_velocity": f"rad/{time}"}
@@ -72,7 +73,7 @@ class Description:
         fields |= dict.fromkeys(("stresslet", "contact_torque", "contact_stresslet"), loads["torque"])
         fields |= dict.fromkeys(("load_scatter", "load_size"), "{force}, {force}, {torque}".format(**loads))
         fields |= {f"{part}{name}": unit for name, unit in loads.items() for part in ("", "pressure_")}
-        fields |= {"vorticity": f"1/{time}", "area": f"{length}^2"}
+        fields |= {"vorticity": f"1/{time}", "area": f"{length}^2", **{each.name: each.unit for each in carried}}
         return {**fields, "density": f"{mass}/{length}^3", **dict.fromkeys(stresses, f"{mass}/({length} {time}^2)")}
 
     def comment(self, content: str) -> str:
@@ -88,7 +89,7 @@ FIELDS = ("x", "y", "u", "v", "density", "pressure")
 
 STATE = (
     *("divergence", "steepest", "added_power", "load_scatter", "velocity_scatter"),
-    *("acceleration", "flow_rates", "backflow", "flows"),
+    *("acceleration", "flow_rates", "backflow", "flows", "received"),
 )
 """Attributes of a group beside ``t`` and ``step`` that only some schemes have: see ``Snapshot``."""
 

@@ -252,6 +252,11 @@ class BodyScene(Scene):
         """Number of fluid particles at the start."""
         return number_of_particles(self.region, self.wanted_spacing, self.start_time)
 
+    @property
+    def fluid_area(self) -> float:
+        """Area of the fluid."""
+        return self.region.area
+
     def jittered(self, seed: int, jitter: float) -> tuple[np.ndarray, np.ndarray]:
         """Return x, y (particles,) of particles that fill the region; see ``tisph/geometry/packing.py``."""
         jitter = max(jitter, LEAST_JITTER)

@@ -80,6 +80,8 @@ def start_snapshot(scene: Scene, values: tuple[np.ndarray, np.ndarray, np.ndarra
         present = [number for number, body in enumerate(bodies) if body.enters <= scene.start_time]
         found = Bodies.at(scene.start_time, [bodies[number] for number in present])
         state["bodies"] = found if len(present) == len(bodies) else found.among(present, len(bodies))
+    if scene.substances:
+        state["substances"] = {each.name: each.initial(x, y, scene.start_time) for each in scene.substances}
     if scene.flows_through:
         state["passages"] = np.zeros(len(x), dtype=int)
     return seen_from_config(Snapshot(t=scene.start_time, step=0, **state, **stresses), scene)
@@ -168,7 +170,8 @@ class State:
 
     def __init__(self, snapshot: Snapshot, scene: Scene):
         bodies = snapshot.bodies and replace(snapshot.bodies, **_read_only(vars(snapshot.bodies)))
-        self.snapshot = snapshot = replace(snapshot, **_read_only(vars(snapshot)), bodies=bodies)
+        substances = snapshot.substances and _read_only(snapshot.substances)
+        self.snapshot = snapshot = replace(snapshot, **_read_only(vars(snapshot)), bodies=bodies, substances=substances)
         self._scene = scene
         self.t: float = snapshot.t
         """Time on the clock of the run."""
@@ -184,6 +187,8 @@ class State:
         """Velocities along y."""
         self.pressure: np.ndarray = snapshot.pressure
         """Pressure; NaN where the scheme has none."""
+        self.substances: Mapping[str, np.ndarray] = snapshot.substances or {}
+        """Temperature and dissolved substances by name."""
 
     def __repr__(self) -> str:
         return f"<State t={self.t:g}, step {self.step}, {len(self.x)} particles>"

@@ -105,8 +105,7 @@ class CarriedSubstances(Transport):
     """The ``Transport`` of the substances of a problem.
 
     ``values`` (fluid): the ``VELOCITIES`` last levels of each substance, newest first. ``present`` (substances,
-    points): T in the present step. ``flows``: levels of ``Snapshot.flows``. ``received`` (substances,): amount that the
-    fluid has received through walls, from sources and by heating.
+    points): T in the present step. ``flows`` and ``received``: levels of those of a ``Snapshot``.
     """
 
     def __init__(self, boundary: Boundary, levels: TimeLevels, extra_stress: ExtraStress) -> None:
@@ -122,7 +121,7 @@ class CarriedSubstances(Transport):
         self.heated = any(each.heating for each in self.substances)
         self.flows: list[np.ndarray] = []
         self.rates: list[np.ndarray] = []
-        self.received = np.zeros(len(self.substances))
+        self.received = [np.zeros(len(self.substances))]
 
     @property
     def stored(self) -> np.ndarray:
@@ -341,16 +340,19 @@ class CarriedSubstances(Transport):
         self.rates = [self.flows[0].sum(axis=1) + np.array(made), *self.rates][:VELOCITIES]
         steps = [0.0, *dts][: len(self.rates)]
         weights = TimeWeights(steps, dts[0]).integral(dts[0]) if len(steps) > 1 else np.array([dts[0]])
-        self.received = self.received + sum(w * rate for w, rate in zip(weights, self.rates, strict=False))
+        received = self.received[0] + sum(w * rate for w, rate in zip(weights, self.rates, strict=False))
+        self.received = [received, *self.received][:VELOCITIES]
 
     def seen(self, weights: TimeWeights, offset: float, values: Sequence[np.ndarray]) -> Mapping[str, Any]:
         """Return the substances, their flows and what the fluid has received, for a ``Snapshot``."""
         levels = values[0].reshape(-1, len(self.substances), VELOCITIES)
         found = levels @ weights.interpolation(offset, VELOCITIES) if offset else levels[:, :, 0]
         names = [each.name for each in self.substances]
-        level_weights = weights.interpolation(offset, min(FLOW_LEVELS, len(self.flows)))
-        flows = sum(w * flow for w, flow in zip(level_weights, self.flows, strict=False)) if self.flows else None
-        return {"substances": dict(zip(names, found.T.copy(), strict=True)), "flows": flows}
+        past = {"flows": self.flows, "received": self.received}
+        numbers = {
+            name: np.tensordot(weights.interpolation(offset, len(each)), each, 1) for name, each in past.items() if each
+        }
+        return {"substances": dict(zip(names, found.T.copy(), strict=True)), **numbers}
 
     def host_state(self) -> Mapping[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
@@ -359,8 +361,8 @@ class CarriedSubstances(Transport):
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
-        self.flows, self.rates = ([np.array(values) for values in state[name]] for name in ("flows", "rates"))
-        self.received = np.array(state["received"])
+        names = ("flows", "rates", "received")
+        self.flows, self.rates, self.received = ([np.array(values) for values in state[name]] for name in names)
         self.present = self.stored[:, :, 0].T.astype(float)
 
     @ti.kernel

@@ -1,0 +1,141 @@
+"""Numbers of temperature and dissolved substances in a sample: means, flows through walls, balance, mixing.
+
+The heat flow of a wall comes from fits at the wall. The mean over the fluid of the flux u T - kappa dT/dx, from a hot
+plane wall to a cold one, is the mean of the flow through all sections: it has no derivative at a wall, so that the
+difference of the two Nusselt numbers estimates their error.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tisph.geometry.line import Line
+from tisph.measures.fits import fluid_mean, velocity_gradients
+from tisph.measures.flow import FlowInBox
+from tisph.measures.substance import TEMPERATURE, Condition, Substance
+from tisph.snapshot import Snapshot
+
+
+@dataclass(frozen=True)
+class _Wall:
+    """A wall with a ``suffix`` of names: ``points`` (n, 2) on it, the ``areas`` (n,) that they stand for, and T."""
+
+    suffix: str
+    points: np.ndarray
+    areas: np.ndarray
+    condition: Condition
+    number: int
+
+    def given(self, t: float) -> np.ndarray:
+        """Return the values that the condition gives at the points, none for a flux."""
+        return self.condition.value(*self.points.T, t) if self.condition.value else np.empty(0)
+
+
+def _walls(scene: FlowInBox, each: Substance, t: float) -> list[_Wall]:
+    """Return the walls and bodies of a flow with their conditions, per length in planar flow."""
+    if scene.parallel:
+        ends = [np.array([[0.0, y]]) for y in (0.0, scene.extent[1])]
+        places = [(f"_{name}", end, scene.extent[:1]) for name, end in zip(("bottom", "top"), ends, strict=True)]
+    else:
+        places = []
+        for name, body in zip(getattr(scene, "names", ()), scene.bodies, strict=False):
+            boundary = body.boundary_points(scene.wanted_spacing.smallest, t)
+            around = 2.0 * np.pi * boundary.point[:, 1] if scene.axisymmetric else 1.0
+            suffix = name if name[:1] in ("", "_") else f"_{name}"
+            places.append((suffix, boundary.point, boundary.length * around))
+    found = [_Wall(*place, each.conditions[number], number) for number, place in enumerate(places)]
+    return [wall for wall in found if scene.parallel or scene.bodies[wall.number].solid]
+
+
+def integral(scene: FlowInBox, snapshot: Snapshot, values: Any) -> float:
+    """Return the integral of ``values`` (particles,) over the fluid, around an axis over its volume.
+
+    In a box between straight walls it is that of polynomials (``fits.fluid_mean``), else the sum over the particles.
+    """
+    values = values * (2.0 * np.pi * snapshot.y if scene.axisymmetric else np.ones(len(snapshot.x)))
+    if not all(isinstance(body.shape, Line) for body in scene.bodies):
+        return scene.fluid_area * float(np.mean(snapshot.weight * values))
+    size = np.array(scene.extent)
+    places = (np.stack([snapshot.x, snapshot.y], axis=1) - scene.origin) / size
+    return float(size.prod()) * fluid_mean(places, values, snapshot.weight, size / scene.spacing, scene.periodic)
+
+
+def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | None]:
+    """Return the numbers of all substances of a flow in a ``snapshot``, by names that begin with the substance.
+
+    ``NAME_mean``, ``NAME_min``, ``NAME_max`` and, where the scene has an exact solution, ``NAME_error`` = max |T -
+    T_exact| over the scale of T. Of heat, or of a substance NAME: ``heat_flow_top`` from each wall into the fluid;
+    ``heat_gained``, the change of the content since the start, and ``heat_received`` through walls, from sources and
+    by heating. Of a dissolved substance ``NAME_variance`` and ``NAME_dissipation`` = 2 D mean |grad T|^2. Nusselt
+    numbers, where walls have different given temperatures.
+    """
+    found: dict[str, float | None] = {}
+    for number, each in enumerate(scene.substances if snapshot.substances else ()):
+        values = (snapshot.substances or {})[each.name].astype(float)
+        amount = "heat" if each.name == TEMPERATURE else each.name
+        volume = integral(scene, snapshot, 1.0)
+        average = integral(scene, snapshot, values) / volume
+        found |= {f"{each.name}_mean": average, f"{each.name}_min": values.min(), f"{each.name}_max": values.max()}
+        exact = (snapshot.reference or {}).get(each.name)
+        if exact is not None:
+            found[f"{each.name}_error"] = np.abs(values - exact).max() / each.scale
+        walls = _walls(scene, each, snapshot.t)
+        flows = None if snapshot.flows is None else snapshot.flows[number]
+        found |= {f"{amount}_flow{wall.suffix}": None if flows is None else flows[wall.number] for wall in walls}
+        found |= _balance(scene, snapshot, each, values, amount, number)
+        if amount == "heat":
+            found |= _nusselt(scene, snapshot, each, values, walls, flows)
+        else:
+            slopes = velocity_gradients(scene, replace(snapshot, u=values))[:2]
+            squares = integral(scene, snapshot, np.square(slopes).sum(axis=0)) / volume
+            found[f"{each.name}_variance"] = integral(scene, snapshot, np.square(values - average)) / volume
+            found[f"{each.name}_dissipation"] = 2.0 * each.diffusivity * squares
+    return found
+
+
+def _balance(
+    scene: FlowInBox, snapshot: Snapshot, each: Substance, values: np.ndarray, amount: str, number: int
+) -> dict[str, float | None]:
+    """Return change of the content and amount received since the start; nothing where fluid enters or bodies move."""
+    moving = any(body.in_fluid and not body.steady for body in scene.bodies)
+    if scene.flows_through or (moving and isinstance(each.initial.given, str)):
+        return {}
+    rise = values - each.initial(snapshot.x, snapshot.y, scene.start_time)
+    received = None if snapshot.received is None else float(snapshot.received[number])
+    return {f"{amount}_gained": each.capacity * integral(scene, snapshot, rise), f"{amount}_received": received}
+
+
+def _nusselt(
+    scene: FlowInBox, snapshot: Snapshot, each: Substance, values: np.ndarray, walls: list[_Wall], flows: Any
+) -> dict[str, float | None]:
+    """Return Nusselt numbers, reference length * flux/(k * largest difference of the given temperatures of walls).
+
+    ``nusselt_top`` by the mean flux of each wall with a given temperature. ``nusselt_sections`` by the mean flux
+    between two plane walls, without sources: 1 + mean (u T) distance/(kappa * difference) over the distance.
+    """
+    held = [(wall, given) for wall in walls if len(given := wall.given(snapshot.t))]
+    temperatures = np.concatenate([given for _, given in held]) if held else np.zeros(1)
+    difference, found = float(np.ptp(temperatures)), {}
+    if len(held) < 2 or not difference:
+        return {}
+    conduction = each.capacity * each.diffusivity * difference / scene.reference_length
+    for wall, _ in held:
+        flow = None if flows is None else abs(flows[wall.number]) / np.sum(wall.areas)
+        found[f"nusselt{wall.suffix}"] = None if flow is None else flow / conduction
+    (cold, _), *_, (hot, _) = sorted(held, key=lambda pair: float(pair[1].mean()))
+    apart = cold.points.mean(axis=0) - hot.points.mean(axis=0)
+    axis = int(np.argmax(np.abs(apart)))
+    plane = len(held) == 2 and np.ptp(np.concatenate([hot.points, cold.points])[:, axis]) <= abs(apart[axis]) * (
+        1.0 + 1e-9
+    )
+    even = all(np.ptp(given) == 0.0 for _, given in held)
+    sources = (
+        each.heating or each.has_source or any(wall.condition.flux and wall.condition.flux.given for wall in walls)
+    )
+    if plane and even and not (sources or scene.parallel or scene.axisymmetric or scene.flows_through):
+        carried = (snapshot.u, snapshot.v)[axis] * (values - values.mean())
+        convective = integral(scene, snapshot, carried) / integral(scene, snapshot, 1.0) * apart[axis]
+        part = scene.reference_length / abs(apart[axis])
+        found["nusselt_sections"] = part * (1.0 + convective / (each.diffusivity * difference))
+    return found

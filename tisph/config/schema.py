@@ -227,6 +227,11 @@ class Config(Model):
         return text[0].upper() + text[1:] if bodies else ""
 
     @property
+    def isothermal(self) -> bool:
+        """Whether the temperature has no effect on the flow, or there is none."""
+        return not (self.temperature and (self.temperature.viscosity or self.temperature.expansion))
+
+    @property
     def flows_through(self) -> bool:
         """Whether fluid flows in and out."""
         return getattr(self, "ends", None) is not None
@@ -407,7 +412,7 @@ def colours(config: Config) -> list[str]:
     if rheology.carries_stress:
         names += ["normal_stress_difference"]
         names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
-    return [*names, *(["error"] if config.has_exact_velocity else []), "dye"]
+    return [*names, *(["error"] if config.has_exact_velocity and config.isothermal else []), "dye"]
 
 
 def _problems_of_member(family: str, name: str, config: Config) -> Iterator[Problem]:

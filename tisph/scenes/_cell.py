@@ -236,7 +236,7 @@ class Cell(CellFlow):
             labels=[*((self._label(*each), None) for each in followed), ("mean over the cell", None)],
             measure=measure,
             sizes=[*(sizes[kind] for kind, _ in followed), speed],
-            levels=[drive, *[np.nan] * len(columns)] if alone else (),
+            levels=[drive, *[np.nan] * len(columns)] if alone and self.isothermal else (),
             panels=[  # the mean velocity in a closed box is 0
                 *(panels.get(kind) for kind, _ in followed),
                 ("superficial velocity", "velocity") if self.periodic[0] else None,

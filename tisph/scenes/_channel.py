@@ -126,6 +126,8 @@ class Channel(ChannelFlow, Scene):
     @property
     def fields(self) -> tuple[str, ...]:
         """The velocity along x, and the stresses of a polymer."""
+        if not self.isothermal:
+            return ()
         return ("u", *STRESSES) if self.polymer else ("u",)
 
     # Scales -----------------------------------------------------------------------------------------------------------
@@ -380,7 +382,7 @@ class Channel(ChannelFlow, Scene):
         """
         t = snapshot.t
         found: dict[str, Any] = {}
-        if self.polymer:
+        if self.polymer and self.isothermal:
             exact: Any = snapshot.reference
             shear = np.asarray(snapshot.stress_xy)
             found["shear_stress_l2"] = relative_difference(shear, exact["stress_xy"], snapshot.weight)
@@ -471,7 +473,7 @@ class Channel(ChannelFlow, Scene):
             scale=(self.reference_velocity, "reference velocity U"),
         )
         if self.polymer is None:
-            return {"speed": speed}
+            return {"speed": self.compared(speed)}
 
         def exact_normal_stress(x: Any, y: Any, t: Any) -> np.ndarray:
             xx, _, yy = self.exact_polymer_stress(y, t)
@@ -491,7 +493,8 @@ class Channel(ChannelFlow, Scene):
             of=n1,
             exact=exact_normal_stress,
         )
-        return {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
+        found = {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
+        return {name: self.compared(profile) for name, profile in found.items()}
 
     def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
         """Return values that span the range of a ``profile`` to time ``end``, wall velocities included."""
@@ -509,7 +512,7 @@ class Channel(ChannelFlow, Scene):
         """Return the velocities at ``count`` heights on a vertical line; arguments as ``probe_positions``."""
         places = self.probe_positions(count, x)
         heights = places[1]
-        return TimeSeries(
+        series = TimeSeries(
             content="velocities u along x over time t at probes at heights y",
             name="u",
             unit="velocity",
@@ -522,6 +525,7 @@ class Channel(ChannelFlow, Scene):
             places=heights,
             angular_frequency=max(wall.angular_frequency for _, wall in self.walls),
         )
+        return self.compared(series)
 
     def movie_series(self) -> TimeSeries:
         """Return the velocities at three heights."""

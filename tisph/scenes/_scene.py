@@ -51,6 +51,9 @@ def age(wall: Any, t: float) -> float:
     return t - max((change for change in wall.jump_times if change < t), default=0.0)
 
 
+Shown = TypeVar("Shown", Profile, TimeSeries)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Scene(FlowInBox):
     """A flow with its samples and views; all quantities in the config's units."""
@@ -84,6 +87,15 @@ class Scene(FlowInBox):
             "rheology": None if config.fluid.newtonian else config.fluid.rheology,
             "given_velocity": config.reference.velocity if config.reference else None,
         }
+
+    def compared(self, view: Shown) -> Shown:
+        """Return a profile or time series, without its reference where the temperature acts on the flow."""
+        return view if self.isothermal else view.without_reference()
+
+    def reference_for(self, name: str, assumptions: Mapping[str, bool]) -> Reference:
+        """Return a reference with its ``assumptions``, which a temperature that acts on the flow breaks."""
+        broken = {} if self.isothermal else {"a flow on which no temperature acts": False}
+        return Reference(name, {**assumptions, **broken})
 
     def velocity_name(self, own: str) -> str:
         """Return the name of the reference velocity in tables and pictures: ``own`` for the ``velocity_scale``."""

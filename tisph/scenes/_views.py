@@ -133,6 +133,10 @@ class Profile:
         found = interpolated(scene, places, self.of(given)[:, None], points)[:, 0]
         return np.where(self.line.in_fluid(scene.seen(snapshot), coordinates, snapshot.t), found, np.nan)
 
+    def without_reference(self) -> "Profile":
+        """Return the profile without its reference."""
+        return replace(self, exact=None, scale=None)
+
     def extremes(self, start: float, end: float) -> tuple[float, float]:
         """Return the smallest and largest finite value of the reference on the line from time ``start`` to ``end``.
 
@@ -223,6 +227,10 @@ class TimeSeries:
         """Size of each number by its column, infinite where it goes on changing in steady flow; empty if not judged."""
         pairs = zip(self.columns, self.sizes or len(self.columns) * [self.scale] * self.may_be_steady, strict=False)
         return {name: math.inf if name in self.drifting else size for name, size in pairs}
+
+    def without_reference(self) -> "TimeSeries":
+        """Return the series without its reference."""
+        return replace(self, exact_columns=(), exact=lambda times: None, levels=())
 
     def only(self, kinds: str | tuple[str, ...], name: str, unit: str) -> "TimeSeries":
         """Return the series of the numbers whose columns begin with one of ``kinds``."""
@@ -403,6 +411,8 @@ def pressure_profile(scene: FlowInBox, line: Line) -> Profile:
         return scene.exact("pressure", x, y, t)
 
     def of(snapshot: Snapshot) -> np.ndarray:
+        if not scene.isothermal:
+            return snapshot.pressure
         off = snapshot.pressure - exact(snapshot.x, snapshot.y, snapshot.t)
         return snapshot.pressure - np.mean(snapshot.weight * off)
 

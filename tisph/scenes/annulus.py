@@ -275,7 +275,7 @@ class Annulus(BetweenCylinders):
     @property
     def fields(self) -> tuple[str, ...]:
         """Velocity and pressure, and the stresses of a polymer."""
-        return ("u", "v", "pressure", *(STRESSES if self.polymer else ()))
+        return ("u", "v", "pressure", *(STRESSES if self.polymer else ())) if self.isothermal else ()
 
     def radii(self, x: Any, y: Any) -> np.ndarray:
         """Return the distance of places from the axis."""
@@ -340,7 +340,7 @@ class Annulus(BetweenCylinders):
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the exact velocity, and stress of a polymer, when the run starts."""
-        names = [name for name in self.fields if name != "pressure"]
+        names = ("u", "v", *(STRESSES if self.polymer else ()))
         return {name: self.exact(name, x, y, self.start_time) for name in names}
 
     def exact_torques(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -356,7 +356,7 @@ class Annulus(BetweenCylinders):
         N1 in polar components.
         """
         numbers: dict[str, Any] = {"l2_pressure": field_error(self, snapshot, "pressure")}
-        if self.polymer:
+        if self.polymer and self.isothermal:
             around, exact_shear, along = self.exact_polymer_stress(snapshot.x, snapshot.y, snapshot.t)
             shear, normal = self.polymer_stress(snapshot)
             numbers["shear_stress_l2"] = relative_difference(shear, exact_shear, snapshot.weight)
@@ -394,7 +394,7 @@ class Annulus(BetweenCylinders):
             "pressure": pressure_profile(self, radius),
         }
         if not self.polymer:
-            return found
+            return {name: self.compared(profile) for name, profile in found.items()}
 
         def exact_normal_stress(x: Any, y: Any, t: Any) -> np.ndarray:
             around, _, along = self.exact_polymer_stress(x, y, t)
@@ -414,7 +414,7 @@ class Annulus(BetweenCylinders):
             of=lambda snapshot: self.polymer_stress(snapshot)[1],
             exact=exact_normal_stress,
         )
-        return found
+        return {name: self.compared(profile) for name, profile in found.items()}
 
     def movie_fields(self, name: str) -> tuple[str, ...]:
         """See ``Scene.movie_fields``; the shear stress around the axis needs all stress components."""
@@ -424,7 +424,7 @@ class Annulus(BetweenCylinders):
         """Return the torques on the cylinders."""
         inner = 2 * math.pi * self.inner_radius**2
         scale = inner * self.dynamic_viscosity * self.reference_velocity / self.reference_length
-        return TimeSeries(
+        series = TimeSeries(
             content="torque of the fluid on the cylinders over time t",
             name="torque per length",
             unit="torque",
@@ -436,6 +436,7 @@ class Annulus(BetweenCylinders):
             exact=lambda times: np.stack(self.exact_torques(np.asarray(times)), axis=1),
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
         )
+        return self.compared(series)
 
     @property
     def extra_series(self) -> ExtraSeries | None:

@@ -208,19 +208,20 @@ class Cavity(BodyScene):
     def reference(self) -> Reference:
         """See ``Scene.reference``: all are of the steady state."""
         assumptions = {"a Newtonian fluid": self.rheology is None, "walls without slip": not any(self.slip_lengths)}
-        if not (self.velocity and self.isothermal):
-            assumptions["a moving lid, and a temperature without an effect on the flow"] = False
+        if not self.velocity:
+            assumptions["a moving lid"] = False
         if not self.regular:
             assumptions["a square cavity"] = self.width == self.height
             assumptions["a tabulated Reynolds number"] = bool(self._tables)
             sources = ", ".join(sorted({table.source for table in self._tables})) or "tables"
-            return Reference(sources, assumptions | {"the steady state": True})
+            return self.reference_for(sources, assumptions | {"the steady state": True})
         assumptions[f"a height up to {LARGEST_ASPECT:g} widths"] = self.height <= LARGEST_ASPECT * self.width
         if self.inertia:
             assumptions["a lid of constant velocity, or no inertia"] = self.varying is None
             largest = f"a Reynolds number of the lid up to {LARGEST_REYNOLDS:g}"
             assumptions |= {largest: self._lid_reynolds <= LARGEST_REYNOLDS, "the steady state": True}
-        return Reference("spectral solution" if self.inertia else "Stokes flow (spectral solution)", assumptions)
+        name = "spectral solution" if self.inertia else "Stokes flow (spectral solution)"
+        return self.reference_for(name, assumptions)
 
     @cached_property
     def _exact(self) -> RegularCavity | None:
@@ -233,7 +234,7 @@ class Cavity(BodyScene):
     @cached_property
     def _tables(self) -> list[CentreLine]:
         """Tabulated centre lines of the square cavity under the sharp lid; none at other Reynolds numbers."""
-        if self.regular or not self.velocity or self.width != self.height or any(self.slip_lengths):
+        if self.regular or not (self.velocity and self.isothermal) or self.width != self.height or any(self.slip_lengths):
             return []
         try:
             return centre_lines(round(self._lid_reynolds, 9))

@@ -101,7 +101,7 @@ class Scene(BetweenCylinders):
             steady = not (self.inner.oscillates or self.outer.oscillates)
             assumptions["cylinders that do not oscillate, or no inertia"] = steady
             assumptions["the steady state"] = True
-        return Reference("Stokes flow", assumptions)
+        return self.reference_for("Stokes flow", assumptions)
 
     @property
     def named_loads(self) -> dict[str, tuple[int, int]]:

@@ -196,6 +196,11 @@ class Scene(AxisymmetricScene):
     @property
     def fields(self) -> tuple[str, ...]:
         """Velocity, stresses of a polymer, and pressure unless a polymer flows along the axis."""
+        return self._known_fields if self.isothermal else ()
+
+    @property
+    def _known_fields(self) -> tuple[str, ...]:
+        """The fields of the flow at one temperature."""
         if not self.polymer:
             return "u", "v", "w", "pressure"
         return ("u", "v", "w", *STRESSES) if self._flows[0] else ("u", "v", "w", "pressure", *AROUND)
@@ -326,7 +331,7 @@ class Scene(AxisymmetricScene):
 
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the exact velocity, and stresses of a polymer, when the run starts."""
-        exact = {name: self.exact(name, x, y, self.start_time) for name in self.fields if name != "pressure"}
+        exact = {name: self.exact(name, x, y, self.start_time) for name in self._known_fields if name != "pressure"}
         return {**super().initial(x, y), **exact}
 
     def exact_loads(self, t: Any) -> dict[str, Any]:
@@ -374,7 +379,8 @@ class Scene(AxisymmetricScene):
             return lambda x, y, t: self.exact(name, x, y, t)
 
         line = self.radial_line()
-        return [self.radial_profile(name, line, exact=reference(name), scale=scale) for name in shown]
+        profiles = [self.radial_profile(name, line, exact=reference(name), scale=scale) for name in shown]
+        return [self.compared(profile) for profile in profiles]
 
     def time_series(self) -> TimeSeries:
         """Return the loads on the walls."""
@@ -384,13 +390,14 @@ class Scene(AxisymmetricScene):
             loads = self.exact_loads(np.asarray(times))
             return np.stack([loads[name] for name in columns], axis=1)
 
-        return self.loads_series(
+        series = self.loads_series(
             columns,
             labels=[(name.replace("_", " on the ") + " wall", None) for name in columns],
             exact_columns=[f"{name}_exact" for name in columns],
             exact=exact,
             angular_frequency=self.pulsation.angular_frequency if self.pulsation else 0.0,
         )
+        return self.compared(series)
 
 
 def _wall(name: str, wall: Any, radii: tuple[float, float], length: float) -> Body:

@@ -310,7 +310,7 @@ class Scene(AxisymmetricScene):
             assumptions[f"a Reynolds number U a/nu below {SLOW:g}, or no inertia"] = slow
             still = max(spins) < SLOW * self.kinematic_viscosity
             assumptions["slow rotation, or no inertia"] = still
-        return Reference("Stokes flow in this tube (Bohlin)", assumptions)
+        return self.reference_for("Stokes flow in this tube (Bohlin)", assumptions)
 
     @property
     def _stokes_velocity(self) -> float:

@@ -147,7 +147,7 @@ class Scene(AxisymmetricScene):
         assumptions = {"a Newtonian fluid": self.rheology is None, "flow without end plates": self.periodic[0]}
         assumptions["constant angular velocities"] = constant
         assumptions["cylinders without slip"] = not any(body.slip_length for body in self.bodies)
-        return Reference("torque of steady laminar flow", assumptions)
+        return self.reference_for("torque of steady laminar flow", assumptions)
 
     @property
     def laminar(self) -> tuple[float, float]:

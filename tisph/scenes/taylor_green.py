@@ -18,6 +18,7 @@ from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.scenes._views import (
+    kinetic_energy,
     Profile,
     TimeSeries,
     centre_line,
@@ -85,7 +86,6 @@ class Scene(AnyScene):
     cells: tuple[int, int]
     speed: float
 
-    fields = ("u", "v", "pressure")
     flow_quantities = ("kinetic_energy", "dissipation")
 
     @classmethod
@@ -115,6 +115,11 @@ class Scene(AnyScene):
         """The largest speed at t = 0."""
         return self.speed
 
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Velocities and pressure."""
+        return ("u", "v", "pressure") if self.isothermal else ()
+
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
         """Return the exact value of one of ``fields``; the pressure has zero mean."""
         if field == "pressure":
@@ -142,6 +147,8 @@ class Scene(AnyScene):
         """
         t, flow = snapshot.t, self._flow
         square, others = planar_diagnostics(self, snapshot)
+        if not self.isothermal:
+            return {"kinetic_energy": self._kinetic_energy(snapshot), **others}
         values, exact = velocities(self, snapshot)
         weight = snapshot.weight
         exact_square = np.mean(weight * np.square(self.exact_vorticity(snapshot.x, snapshot.y, t)))
@@ -180,11 +187,11 @@ class Scene(AnyScene):
             velocity_profile(self, field, along, exact=partial(self.exact, field), scale=scale)
             for field, along in (("u", "y"), ("v", "x"))
         ]
-        return [*shown, pressure_profile(self, centre_line(self, "y"))]
+        return [self.compared(each) for each in (*shown, pressure_profile(self, centre_line(self, "y")))]
 
     def time_series(self) -> TimeSeries:
         """Return the kinetic energy."""
-        return TimeSeries(
+        series = TimeSeries(
             content="mean kinetic energy per mass over time t",
             name="kinetic energy per mass",
             unit="energy",
@@ -195,6 +202,7 @@ class Scene(AnyScene):
             measure=lambda snapshot: np.array([self._kinetic_energy(snapshot)]),
             exact=lambda times: taylor_green.kinetic_energy(times, **self._flow)[:, None],
         )
+        return self.compared(series)
 
     def movie_profiles(self) -> dict[str, Profile]:
         """Return the velocities, and vorticity and pressure along the vertical centre line."""
@@ -203,13 +211,15 @@ class Scene(AnyScene):
             "vorticity": vorticity_profile(self, line, self.exact_vorticity),
             "pressure": pressure_profile(self, line),
         }
-        return super().movie_profiles() | found
+        return super().movie_profiles() | {name: self.compared(each) for name, each in found.items()}
 
     @property
     def _flow(self) -> dict[str, float]:
         return {"length": self.length, "speed": self.speed, "kinematic_viscosity": self.kinematic_viscosity}
 
     def _kinetic_energy(self, snapshot: Snapshot) -> float:
+        if not self.isothermal:
+            return kinetic_energy(self, snapshot)
         exact = np.array(taylor_green.velocity(snapshot.x, snapshot.y, snapshot.t, **self._flow))
         square = np.sum(snapshot.weight * np.square([snapshot.u, snapshot.v], dtype=float))
         return taylor_green.kinetic_energy(snapshot.t, **self._flow) * square / np.sum(snapshot.weight * exact**2)

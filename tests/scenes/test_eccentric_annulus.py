@@ -13,6 +13,7 @@ from tisph.measures.metrics import sample_metrics
 from tisph.measures.resolution import resolution
 from tisph.measures.steadiness import Followed
 from tisph.report.plots import history_figure, profile_figure
+from tisph.scenes._views import kinetic_energy
 from tisph.scenes.eccentric_annulus import LOADS
 from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies
@@ -159,5 +160,5 @@ def test_kinetic_energy_is_the_mean_over_the_area_between_the_circles(case):
     x, y = (centre + radii * part for centre, part in zip(inner.centre, away.T, strict=True))
     square = np.square(flow.velocity(x, y)).sum(axis=0)
     u, v = flow.velocity(state.x, state.y)
-    found = scene.kinetic_energy(replace(state, u=u, v=v))
+    found = kinetic_energy(scene, replace(state, u=u, v=v))
     assert found == pytest.approx(0.5 * (areas * square).sum() / areas.sum(), rel=1e-5)

@@ -217,6 +217,10 @@ class FlowInBox(FlowDefaults):
         width, height = self.extent
         return width * height
 
+    def mean(self, snapshot: Snapshot, values: np.ndarray) -> float:
+        """Return the mean of ``values`` (particles,) over the area of the fluid."""
+        raise NotImplementedError
+
     @property
     def has_free_bodies(self) -> bool:
         """Whether the flow carries any of the ``bodies``."""
@@ -326,9 +330,14 @@ class FlowInBox(FlowDefaults):
             found["longest relaxation time"] = max(law.relaxation_time for law in laws)
         if self.inertia:
             found["time of viscous decay"] = self.diffusion_time
-        if self.reference_velocity and any(map(_changes_places, self.bodies)):
+        if self.reference_velocity and self.changes_shape:
             found["convective time of moving bodies"] = self.reference_length / self.reference_velocity
         return found
+
+    @property
+    def changes_shape(self) -> bool:
+        """Whether the region of the fluid has another shape later."""
+        return any(map(_changes_places, self.bodies))
 
     @property
     def vanishing_scale(self) -> bool:

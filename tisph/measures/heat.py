@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.geometry.line import Line
-from tisph.measures.fits import fluid_mean, velocity_gradients
+from tisph.measures.fits import velocity_gradients
 from tisph.measures.flow import FlowInBox
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.snapshot import Snapshot
@@ -29,16 +28,17 @@ class _Wall:
 
     def given(self, t: float) -> np.ndarray:
         """Return the values that the condition gives at the points, none for a flux."""
-        return self.condition.value(*self.points.T, t) if self.condition.value else np.empty(0)
+        x, y = self.points.T
+        return self.condition.value(x, y, t) if self.condition.value else np.empty(0)
 
 
 def _walls(scene: FlowInBox, each: Substance, t: float) -> list[_Wall]:
     """Return the walls and bodies of a flow with their conditions, per length in planar flow."""
+    places: list[tuple[str, np.ndarray, np.ndarray]] = []
     if scene.parallel:
-        ends = [np.array([[0.0, y]]) for y in (0.0, scene.extent[1])]
-        places = [(f"_{name}", end, scene.extent[:1]) for name, end in zip(("bottom", "top"), ends, strict=True)]
+        for name, y in (("_bottom", 0.0), ("_top", scene.extent[1])):
+            places.append((name, np.array([[0.0, y]]), np.array(scene.extent[:1])))
     else:
-        places = []
         for name, body in zip(getattr(scene, "names", ()), scene.bodies, strict=False):
             boundary = body.boundary_points(scene.wanted_spacing.smallest, t)
             around = 2.0 * np.pi * boundary.point[:, 1] if scene.axisymmetric else 1.0
@@ -49,16 +49,9 @@ def _walls(scene: FlowInBox, each: Substance, t: float) -> list[_Wall]:
 
 
 def integral(scene: FlowInBox, snapshot: Snapshot, values: Any) -> float:
-    """Return the integral of ``values`` (particles,) over the fluid, around an axis over its volume.
-
-    In a box between straight walls it is that of polynomials (``fits.fluid_mean``), else the sum over the particles.
-    """
-    values = values * (2.0 * np.pi * snapshot.y if scene.axisymmetric else np.ones(len(snapshot.x)))
-    if not all(isinstance(body.shape, Line) for body in scene.bodies):
-        return scene.fluid_area * float(np.mean(snapshot.weight * values))
-    size = np.array(scene.extent)
-    places = (np.stack([snapshot.x, snapshot.y], axis=1) - scene.origin) / size
-    return float(size.prod()) * fluid_mean(places, values, snapshot.weight, size / scene.spacing, scene.periodic)
+    """Return the integral of ``values`` (particles,) over the fluid, around an axis over its volume."""
+    around = 2.0 * np.pi * snapshot.y if scene.axisymmetric else np.ones(len(snapshot.x))
+    return scene.fluid_area * scene.mean(snapshot, values * around)
 
 
 def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | None]:
@@ -85,7 +78,7 @@ def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float 
         found |= {f"{amount}_flow{wall.suffix}": None if flows is None else flows[wall.number] for wall in walls}
         found |= _balance(scene, snapshot, each, values, amount, number)
         if amount == "heat":
-            found |= _nusselt(scene, snapshot, each, values, walls, flows)
+            found |= _nusselt(scene, snapshot, each, values - average, walls, flows)
         else:
             slopes = velocity_gradients(scene, replace(snapshot, u=values))[:2]
             squares = integral(scene, snapshot, np.square(slopes).sum(axis=0)) / volume
@@ -98,8 +91,7 @@ def _balance(
     scene: FlowInBox, snapshot: Snapshot, each: Substance, values: np.ndarray, amount: str, number: int
 ) -> dict[str, float | None]:
     """Return change of the content and amount received since the start; nothing where fluid enters or bodies move."""
-    moving = any(body.in_fluid and not body.steady for body in scene.bodies)
-    if scene.flows_through or (moving and isinstance(each.initial.given, str)):
+    if scene.flows_through or (scene.changes_shape and isinstance(each.initial.given, str)):
         return {}
     rise = values - each.initial(snapshot.x, snapshot.y, scene.start_time)
     received = None if snapshot.received is None else float(snapshot.received[number])
@@ -107,10 +99,11 @@ def _balance(
 
 
 def _nusselt(
-    scene: FlowInBox, snapshot: Snapshot, each: Substance, values: np.ndarray, walls: list[_Wall], flows: Any
+    scene: FlowInBox, snapshot: Snapshot, each: Substance, excess: np.ndarray, walls: list[_Wall], flows: Any
 ) -> dict[str, float | None]:
     """Return Nusselt numbers, reference length * flux/(k * largest difference of the given temperatures of walls).
 
+    ``excess`` (particles,): temperature less its mean.
     ``nusselt_top`` by the mean flux of each wall with a given temperature. ``nusselt_sections`` by the mean flux
     between two plane walls, without sources: 1 + mean (u T) distance/(kappa * difference) over the distance.
     """
@@ -134,8 +127,7 @@ def _nusselt(
         each.heating or each.has_source or any(wall.condition.flux and wall.condition.flux.given for wall in walls)
     )
     if plane and even and not (sources or scene.parallel or scene.axisymmetric or scene.flows_through):
-        carried = (snapshot.u, snapshot.v)[axis] * (values - values.mean())
-        convective = integral(scene, snapshot, carried) / integral(scene, snapshot, 1.0) * apart[axis]
+        carried = scene.mean(snapshot, (snapshot.u, snapshot.v)[axis] * excess) * apart[axis]
         part = scene.reference_length / abs(apart[axis])
-        found["nusselt_sections"] = part * (1.0 + convective / (each.diffusivity * difference))
+        found["nusselt_sections"] = part * (1.0 + carried / (each.diffusivity * difference))
     return found

@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from tisph.geometry.body import Body
+from tisph.geometry.line import Line
 from tisph.geometry.motion import REST, RigidMotion, Schedule, WallMotion
 from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
+from tisph.measures.fits import fluid_mean
 from tisph.measures.flow import FlowInBox
 from tisph.scenes._views import COLOURS, ERRORS, ExtraSeries, MovieView, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Bodies, Snapshot
@@ -117,6 +119,14 @@ class Scene(FlowInBox):
         if self.wanted_spacing.varies:
             return number_of_particles(self.region, self.wanted_spacing, self.start_time)
         return self.rows * self.columns
+
+    def mean(self, snapshot: Snapshot, values: np.ndarray) -> float:
+        """Return the mean over the fluid: between straight walls that of polynomials, else that of the particles."""
+        if not all(isinstance(body.shape, Line) for body in self.bodies):
+            return float(np.mean(snapshot.weight * values))
+        size = np.array(self.extent)
+        places = (np.stack([snapshot.x, snapshot.y], axis=1) - self.origin) / size
+        return fluid_mean(places, values, snapshot.weight, size / self.spacing, self.periodic)
 
     def lattice(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the cell centres x, y (particles,), row by row from the bottom."""

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from tisph.measures.fits import (
-    fluid_mean,
     interpolated,
     max_void_radius,
     min_distance,
@@ -437,11 +436,8 @@ def velocity_errors(scene: FlowInBox, snapshot: Snapshot, u: np.ndarray, v: np.n
 
 
 def kinetic_energy(scene: FlowInBox, snapshot: Snapshot) -> float:
-    """Return the mean of (u^2 + v^2)/2 over the fluid of a box without bodies, see ``fits.fluid_mean``."""
-    size = np.array(scene.extent)
-    places = (np.stack([snapshot.x, snapshot.y], axis=1) - scene.origin) / size
-    square = np.square(snapshot.u) + np.square(snapshot.v)
-    return 0.5 * fluid_mean(places, square, snapshot.weight, size / scene.spacing, scene.periodic)
+    """Return the mean of (u^2 + v^2)/2 over the fluid."""
+    return 0.5 * scene.mean(snapshot, np.square(snapshot.u) + np.square(snapshot.v))
 
 
 def energy_series(scene: FlowInBox) -> TimeSeries:

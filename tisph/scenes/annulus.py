@@ -35,6 +35,7 @@ from tisph.exact.start_up import CircularStartUp, Wall, slipping
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
 from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
+from tisph.measures.fits import fluid_mean
 from tisph.measures.flow import Size
 from tisph.measures.metrics import field_error, relative_difference
 from tisph.scenes._initial import Initial, start_problems, still_problem
@@ -167,6 +168,24 @@ class BetweenCylinders(BodyScene):
             Body(shapes[0], axis, motion=turning[0], slip_length=inner),
             Body(shapes[1], self.centre, motion=turning[1], slip_length=outer),
         )
+
+    def mean(self, snapshot: Snapshot, values: np.ndarray) -> float:
+        """See ``Scene.mean``: of polynomials in angle and distance from the cylinders (``fits.fluid_mean``).
+
+        A particle is on the line between points of the two cylinders at the same angle, at the fraction s of it: on a
+        circle of radius R1 + s gap, whose axis is at the fraction s from the inner axis to the outer one. The area of
+        d(angle) ds is radius * stretch.
+        """
+        gap, inner = self.reference_length, self.inner_radius
+        x, y = snapshot.x - self.centre[0] - self.offset, snapshot.y - self.centre[1]
+        half, square = inner * gap - self.offset * x, gap**2 - self.offset**2
+        s = (np.sqrt(half**2 + square * (x**2 + y**2 - inner**2)) - half) / square
+        angle, radius = np.arctan2(y, x + s * self.offset), inner + s * gap
+        stretch = gap - self.offset * np.cos(angle)
+        places = np.stack([angle / (2.0 * np.pi), s], axis=1)
+        rows = np.array([np.pi * (inner + self.outer_radius), gap]) / self.spacing
+        whole = fluid_mean(places, values * radius * stretch, snapshot.weight, rows, (True, False))
+        return whole / (gap * (inner + 0.5 * gap))
 
     @property
     def jump_times(self) -> tuple[float, ...]:

@@ -234,7 +234,8 @@ class Cavity(BodyScene):
     @cached_property
     def _tables(self) -> list[CentreLine]:
         """Tabulated centre lines of the square cavity under the sharp lid; none at other Reynolds numbers."""
-        if self.regular or not (self.velocity and self.isothermal) or self.width != self.height or any(self.slip_lengths):
+        tabulated = self.velocity and self.width == self.height and not any(self.slip_lengths)
+        if self.regular or not (tabulated and self.isothermal):
             return []
         try:
             return centre_lines(round(self._lid_reynolds, 9))

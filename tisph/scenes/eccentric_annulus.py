@@ -16,7 +16,6 @@ from tisph.bodies import _clearance, circle
 from tisph.config.base import Problem
 from tisph.exact.eccentric_cylinders import EccentricCylinders
 from tisph.measures import resolution
-from tisph.measures.fits import fluid_mean
 from tisph.measures.flow import Size
 from tisph.measures.metrics import relative_difference
 from tisph.measures.steadiness import followed, steadiness
@@ -26,6 +25,7 @@ from tisph.scenes._spacing import with_sources
 from tisph.scenes._views import (
     Profile,
     TimeSeries,
+    kinetic_energy,
     planar_diagnostics,
     velocity_errors,
     velocity_profile,
@@ -119,24 +119,6 @@ class Scene(BetweenCylinders):
         between = self.wanted_spacing.between(inner, outer, t)
         return radius, (self.reference_length - self.offset, "the gap between the cylinders", between)
 
-    def kinetic_energy(self, snapshot: Snapshot) -> float:
-        """Return the mean of (u^2 + v^2)/2 over the fluid, see ``fits.fluid_mean``.
-
-        A particle is on the line between points of the two cylinders at the same angle, at the fraction s of it: on a
-        circle of radius R1 + s gap, whose axis is at the fraction s from the inner axis to the outer one. The area of
-        d(angle) ds is radius * stretch.
-        """
-        gap, inner = self.reference_length, self.inner_radius
-        x, y = snapshot.x - self.centre[0] - self.offset, snapshot.y - self.centre[1]
-        half, square = inner * gap - self.offset * x, gap**2 - self.offset**2
-        s = (np.sqrt(half**2 + square * (x**2 + y**2 - inner**2)) - half) / square
-        angle, radius = np.arctan2(y, x + s * self.offset), inner + s * gap
-        stretch = gap - self.offset * np.cos(angle)
-        places = np.stack([angle / (2.0 * np.pi), s], axis=1)
-        rows = np.array([np.pi * (inner + self.outer_radius), gap]) / self.spacing
-        values = (np.square(snapshot.u) + np.square(snapshot.v)) * radius * stretch
-        return 0.5 * fluid_mean(places, values, snapshot.weight, rows, (True, False)) / (gap * (inner + 0.5 * gap))
-
     def initial(self, x: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
         """Return the fields at rest, or in the Stokes flow of the cylinders' motion before t = 0."""
         if self.initial_state == "rest":
@@ -166,7 +148,7 @@ class Scene(BetweenCylinders):
         return {
             **dict(zip(LOADS, _loads(snapshot), strict=True)),
             **errors,
-            "kinetic_energy": self.kinetic_energy(snapshot),
+            "kinetic_energy": kinetic_energy(self, snapshot),
             **planar_diagnostics(self, snapshot)[1],
         }
 
@@ -211,7 +193,7 @@ class Scene(BetweenCylinders):
             scale=0.5 * speed**2,
             columns=columns,
             labels=[(name, None) for name in of],
-            measure=lambda snapshot: np.array([self.kinetic_energy(snapshot), *_loads(snapshot)]),
+            measure=lambda snapshot: np.array([kinetic_energy(self, snapshot), *_loads(snapshot)]),
             angular_frequency=max(self.inner.angular_frequency, self.outer.angular_frequency),
             sizes=[0.5 * speed**2, *2 * [force * self.inner_radius], force, force],
             panels=[("kinetic energy per mass", "energy"), *loads],

@@ -18,10 +18,10 @@ from tisph.exact import taylor_green
 from tisph.measures.metrics import field_error, velocities
 from tisph.scenes._scene import Scene as AnyScene
 from tisph.scenes._views import (
-    kinetic_energy,
     Profile,
     TimeSeries,
     centre_line,
+    kinetic_energy,
     planar_diagnostics,
     pressure_profile,
     velocity_profile,

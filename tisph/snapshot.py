@@ -158,6 +158,10 @@ class Snapshot:
     flows: np.ndarray | None = None
     received: np.ndarray | None = None
 
+    def field(self, name: str) -> Any:
+        """Return the array of a field, or of a substance, by its name; None where there is none."""
+        return (self.substances or {}).get(name, getattr(self, name, None))
+
     @property
     def weight(self) -> Any:
         """Weight of each particle in sums over particles: its area over the mean area (particles,), 1 without areas."""

@@ -412,6 +412,8 @@ def colours(config: Config) -> list[str]:
     if rheology.carries_stress:
         names += ["normal_stress_difference"]
         names += ["conformation_trace"] if getattr(rheology, "linear_stress", False) else []
+    names += ["temperature"] if config.temperature else []
+    names += [scalar.name for scalar in config.scalars if scalar.name != "dye"]
     return [*names, *(["error"] if config.has_exact_velocity and config.isothermal else []), "dye"]
 
 

@@ -107,7 +107,7 @@ def field_error(scene: FlowInBox, snapshot: Snapshot, field: str) -> float | Non
     if field not in scene.fields:
         return None
     exact = (with_reference(scene, snapshot, (field,)).reference or {})[field]
-    values = getattr(snapshot, field)
+    values = snapshot.field(field)
     if field == "pressure":
         values = values - np.mean(snapshot.weight * (values - exact))
     return relative_difference(values, exact, snapshot.weight)

@@ -51,6 +51,7 @@ class SnapshotArrays(dict):
 
     def __init__(self, about: Description, snapshot: Snapshot):
         found = {name: getattr(snapshot, name) for name in ("x", "y", "u", "v", "density", "pressure", *OPTIONAL)}
+        found |= snapshot.substances or {}
         found |= {f"{name}_exact": values for name, values in (snapshot.reference or {}).items()}
         super().__init__({name: values for name, values in found.items() if values is not None and len(values)})
         self.t = snapshot.t
@@ -78,6 +79,13 @@ def fields(particles: Particles) -> Iterator[Field]:
         for name in ("pressure" + suffix, "density" + suffix, "vorticity" + suffix, "area" + suffix):
             if name in units:
                 yield name, particles[name].astype(float), units[name]
+    for name in units:
+        if name.removesuffix("_exact") not in PLAIN and "/" not in name:  # temperature, dissolved substances
+            yield name, particles[name].astype(float), units[name]
+
+
+PLAIN = ("x", "y", "u", "v", "w", "pressure", "density", "vorticity", *OPTIONAL)
+"""Names of all arrays that are no substance."""
 
 
 def _together(particles: Particles, parts: tuple[str, ...]) -> np.ndarray:

@@ -109,12 +109,14 @@ class RemoteMovie:
         self._process = process
         shown = scene.movie_fields(video.color_by)
         self._not_drawn = {name: nothing for name, nothing in _NOT_DRAWN.items() if name not in shown}
+        self._carried = {*shown} & {*scene.substance_colours}
         place = Path(path).absolute()  # the process stays where it started
         self._requested = [process.request("movie", place, *described(scene, video), title, end)]
 
     def add(self, snapshot: Snapshot) -> None:
         """Append the picture of ``snapshot``, some time."""
-        self._requested.append(self._process.request("frame", replace(snapshot, **self._not_drawn)))
+        carried = {name: snapshot.field(name) for name in self._carried}
+        self._requested.append(self._process.request("frame", replace(snapshot, **self._not_drawn, substances=carried)))
 
     def close(self) -> None:
         """Wait until the file is finished; raise the first error of the movie, once."""

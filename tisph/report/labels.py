@@ -95,8 +95,8 @@ def fixed_point(largest: float, digits: int, smallest_plain: float = 1e-3) -> Ca
 def unit_label(kind: str, units: Any) -> str:
     """Return the label of the unit of a ``kind`` of quantity, from the config's unit labels; velocity: ``m/s``.
 
-    Forces and torques are per length across the plane. The unit of a stress is ``Pa`` where the units are m, kg and s,
-    else mass/(length time²).
+    A ``kind`` that is none is a label itself. Forces and torques are per length across the plane. The unit of a stress
+    is ``Pa`` where the units are m, kg and s, else mass/(length time²).
     """
     length, mass, time = units.length, units.mass, units.time
     pascal = (length, mass, time) == ("m", "kg", "s")
@@ -119,7 +119,7 @@ def unit_label(kind: str, units: Any) -> str:
         "whole_force": "N" if pascal else f"{mass} {length}/{time}²",
         "moment": "N m" if pascal else f"{mass} {length}²/{time}²",
         "torque": "N" if pascal else f"{mass} {length}/{time}²",
-    }[kind]
+    }.get(kind, kind)
 
 
 def time_label(time_scale: float, unit: str, formula: str) -> Callable[[float], str]:

@@ -49,7 +49,7 @@ from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, 
 from tisph.report.quantities import Extremes, Quantity, Spread, quantity
 from tisph.report.text import DriveLabel, paint_text, wall_labels
 from tisph.scenes._scene import Scene
-from tisph.scenes._views import Profile
+from tisph.scenes._views import MovieView
 from tisph.snapshot import Snapshot
 
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
@@ -444,7 +444,7 @@ class Movie:
         self._shown: Any = displayed(scene)
         self._layout = arrange(self._shown, video.width, video.height, style.THEMES[video.theme])
         self._streams = Streamlines(self._shown, self._layout) if video.overlay == "streamlines" else None
-        self._dyed = video.color_by == "dye"
+        self._dyed = video.color_by == "dye" and "dye" not in scene.substance_colours
         self._series = scene.movie_series()
         self._view = scene.movie_view("speed" if self._dyed else video.color_by, end)
         if self._dyed:
@@ -462,7 +462,7 @@ class Movie:
         measured = self._measured(snapshot)
         renderer = self._renderer
         if renderer is None:
-            ranges = self._ranges or _Ranges(self._view.profile)
+            ranges = self._ranges or _Ranges(self._view)
             if self._ranges is None:
                 ranges.add(measured)
             renderer = self._new_renderer(ranges)
@@ -480,7 +480,7 @@ class Movie:
             return
         if self._ranges is None:
             self._waiting = tempfile.TemporaryFile()  # noqa: SIM115 (lives until ``close``)
-            self._ranges = _Ranges(self._view.profile)
+            self._ranges = _Ranges(self._view)
         self._ranges.add(measured)
         pickle.dump(measured, self._waiting, pickle.HIGHEST_PROTOCOL)
 
@@ -532,15 +532,15 @@ class Movie:
 
 
 class _Ranges:
-    """Ranges of colours, of the ``profile`` along its line and of the series over the frames, and their number.
+    """Ranges of colours, of the profile of a ``view`` along its line and of the series over frames, and their number.
 
     Velocities are bounded, and all of a profile is shown; stresses and gradients may be infinite at corners.
     """
 
-    def __init__(self, profile: Profile):
-        self.colours, self.series = Spread(), Extremes()
-        self.profile = Extremes() if profile.unit == "velocity" else Spread()
-        self._line, self.count = profile.line, 0
+    def __init__(self, view: MovieView):
+        self.colours, self.series = Spread() if view.from_zero else Extremes(), Extremes()
+        self.profile = Extremes() if view.profile.unit == "velocity" else Spread()
+        self._line, self.count = view.profile.line, 0
 
     def add(self, measured: Measured) -> None:
         """Take a frame."""

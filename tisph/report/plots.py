@@ -187,7 +187,7 @@ def profile_figure(scene: Scene, snapshots: Sequence[Snapshot]) -> style.PlotFig
 
     There are two panels a row. Of more than twelve snapshots the legend names twelve, evenly chosen.
     """
-    profiles = scene.profiles()
+    profiles = scene.all_profiles()
     panels = [(profile, error) for profile in profiles for error in (False, True) if profile.scale or not error]
     rows = -(-len(panels) // 2)
     with style.plot_style():

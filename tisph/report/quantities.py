@@ -54,18 +54,23 @@ def quantity(
     limited = limits_of(np.empty(0) if view.values is None else view.values)
     bounded = view.profile.unit == "velocity"  # all of it is shown
     colours, along = ends or (limited, (view.ends or limited) if bounded else limited)
+    if not view.from_zero:
+        colours = along = ends[0] if ends else (min(view.ends or limited), max(view.ends or limited))
     largest = _largest(colours)
     signed = view.signed and min(colours) < -_ROUNDING * largest
     diverging = signed and max(colours) > _ROUNDING * largest
     automatic = (-largest if signed else 0.0, largest if diverging or not signed else 0.0)
+    if not view.from_zero:
+        automatic = colours[0], max(colours[1], colours[0] + _ROUNDING * largest)
     low, high = automatic if isinstance(limits, str) else limits
+    zero = (0.0,) if view.from_zero else ()
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),
         colour_name=view.name,
         colour_map=style.DIVERGING_MAP if diverging else style.COLOUR_MAP,
         colour_range=(low, high),
         profile=view.profile,
-        profile_range=with_margin((min(0.0, *along), max(0.0, *along)), largest),
+        profile_range=with_margin((min(*zero, *along), max(*zero, *along)), largest),
         error=view.error,
     )
 
@@ -98,8 +103,8 @@ class Extremes:
         self._least: list[float] = []
         self._most: list[float] = []
 
-    def add(self, values: np.ndarray) -> None:
-        """Take the ``values`` of one frame; those that are no finite numbers are left out."""
+    def add(self, values: np.ndarray, weight: Any = 1.0) -> None:
+        """Take the ``values`` of one frame, of any ``weight``; those that are no finite numbers are left out."""
         values = values[np.isfinite(values)]
         if values.size:
             self._least.append(float(values.min()))

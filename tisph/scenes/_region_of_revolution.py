@@ -203,7 +203,7 @@ class StreamOfRevolution(OpenEnded, RegionOfRevolution):
         """Return the velocities over the radius in the middle; u with the inlet's profile where it is developed."""
         *swirl, u, v = super().profiles()
         flow = self.initial_velocity
-        if flow and self._constant and not self.count and not self._jumps:
+        if flow and self._constant and self.isothermal and not self.count and not self._jumps:
             u = replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0])
         return [u, v, *swirl]
 

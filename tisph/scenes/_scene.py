@@ -9,7 +9,7 @@ NotImplementedError. ``BodyScene`` is the base of scenes with walls or bodies of
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -21,7 +21,9 @@ from tisph.geometry.packing import number_of_particles, pack
 from tisph.geometry.region import Region
 from tisph.measures.fits import fluid_mean
 from tisph.measures.flow import FlowInBox
-from tisph.scenes._views import COLOURS, ERRORS, ExtraSeries, MovieView, Profile, TimeSeries
+from tisph.measures.substance import Substance
+from tisph.scenes._views import COLOURS, ERRORS, Colour, ExtraSeries, MovieView, Profile, TimeSeries, substance_colour
+from tisph.scenes._views import Line as ProfileLine
 from tisph.snapshot import STRESSES, Bodies, Snapshot
 
 if TYPE_CHECKING:  # which takes another process, for pictures, a while to import
@@ -174,6 +176,33 @@ class Scene(FlowInBox):
         profiles = self.profiles()
         return {profile.name: profile for profile in profiles if profile.unit == "velocity"} | {"speed": profiles[0]}
 
+    @property
+    def substance_colours(self) -> dict[str, Colour]:
+        """The quantities of ``output.video.color_by`` that are substances, by name."""
+        return {each.name: substance_colour(each) for each in self.substances}
+
+    def all_profiles(self) -> list[Profile]:
+        """Return ``profiles`` and those of temperature and dissolved substances."""
+        return [*self.profiles(), *map(self.substance_profile, self.substances)]
+
+    def substance_profile(self, each: Substance) -> Profile:
+        """Return the profile of a substance, on the line of another profile whose ends differ most in it."""
+        colour, name = self.substance_colours[each.name], each.name
+        exact = partial(self.exact, name) if name in self.fields else None
+        lines = [profile.line for profile in self.profiles()]
+        line = max(lines, key=lambda line: self._difference(each, line))
+        scale = (each.scale, f"range of {colour.words}") if exact else None
+        return Profile(colour.words, colour.unit, line, partial(colour.of, self), exact=exact, scale=scale)
+
+    def _difference(self, each: Substance, line: ProfileLine) -> float:
+        """Return the difference of the values that the walls at both ends of a line give a substance."""
+        ends, t, found = np.stack(np.broadcast_arrays(*line.points(np.array(line.ends))), axis=1), self.start_time, []
+        for end in ends if self.bodies else ():
+            distances = [abs(body.nearest(end[None], t).distance[0]) for body in self.bodies]
+            value = each.conditions[int(np.argmin(distances))].value
+            found += [float(value(end[0], end[1], t))] if value else []
+        return abs(found[1] - found[0]) if len(found) == 2 else 0.0
+
     def movie_series(self) -> TimeSeries:
         """Return the time series that a movie shows."""
         return self.time_series()
@@ -185,19 +214,24 @@ class Scene(FlowInBox):
     def movie_fields(self, name: str) -> tuple[str, ...]:
         """Return the fields that a movie coloured by ``name`` needs beside places, velocities and shear stress."""
         without = name == "viscosity" and not self.polymer  # which fields are those of a polymer's stress
-        return () if without or name not in COLOURS else COLOURS[name].fields
+        colours = COLOURS | self.substance_colours
+        return () if without or name not in colours else colours[name].fields
 
     def movie_view(self, name: str, end: float) -> MovieView:
         """Return the view of a movie to time ``end`` whose fluid is coloured by ``name``, with the own profile, if any.
 
         The range is known before the run if that profile has an exact solution at all times.
         """
-        colour, own = COLOURS[name], self.movie_profiles()
+        carried = {each.name: each for each in self.substances}
+        colour, own = (COLOURS | self.substance_colours)[name], self.movie_profiles()
+        if name in carried:
+            own = {**own, name: self.substance_profile(carried[name])}
         profile = own.get(name)
         of = profile.of if profile and colour.words != "speed" else lambda snapshot: colour.of(self, snapshot)
         words = profile.name if profile and colour.unit == "stress" and name != "pressure" else colour.words
         words = f"polymer {words}" if self.polymer and words == "shear stress" else words
-        known = profile if profile and profile.exact and "u" in self.fields else None
+        judged, errors = name if name in carried else "u", ERRORS | {each: (each, colour.words) for each in carried}
+        known = profile if profile and profile.exact and judged in self.fields else None
         return MovieView(
             name=words,
             signed=colour.signed,
@@ -205,7 +239,8 @@ class Scene(FlowInBox):
             profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
             ends=self.movie_ends(known, end) if known else None,
             values=known.spread(self.start_time, end) if known else None,
-            error=ERRORS[name] if ERRORS.get(name, ("",))[0] in self.fields else None,
+            error=errors[name] if errors.get(name, ("",))[0] in self.fields else None,
+            from_zero=colour.from_zero,
         )
 
 

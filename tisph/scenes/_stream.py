@@ -273,7 +273,8 @@ class Stream(OpenEnded, Cell):
         low, high = self.inlet.shape.extent[:, 1]
         part = np.linspace(0.1, 0.9, 5)
         parabolic = np.allclose(self.inlet.profile.value(low + part * (high - low)), 6.0 * part * (1.0 - part))
-        if not (flow and parabolic and self._constant) or self.count or self.rheology or self._stepped:
+        stepped = self._stepped or not self.isothermal
+        if not (flow and parabolic and self._constant) or self.count or self.rheology or stepped:
             return [u, v]
         scale = self.reference_velocity, self.velocity_name("mean velocity")
         return [replace(u, exact=lambda x, y, t: flow(x + 0.0 * y * t, y + 0.0 * x * t)[0], scale=scale), v]

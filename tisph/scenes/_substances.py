@@ -14,6 +14,7 @@ from tisph.config.formula import FieldFormula
 from tisph.config.heat import LARGEST_EXPONENT, Carried, Flux, Temperature
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.scenes._spacing import key_of
+from tisph.scenes._views import COLOURS
 
 if TYPE_CHECKING:
     from tisph.config.schema import Config
@@ -143,7 +144,22 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
         yield next(iter(sections)), "is for two-dimensional flow yet: take scene region in place of a channel"
 
 
-TAKEN = ("temperature", "x", "y", "u", "v", "w", "t", "step", "area", "density", "pressure", "passages", "bodies")
+TAKEN = (
+    *COLOURS,
+    "temperature",
+    "x",
+    "y",
+    "u",
+    "v",
+    "w",
+    "t",
+    "step",
+    "area",
+    "density",
+    "pressure",
+    "passages",
+    "bodies",
+)
 """Names that a dissolved substance must not have, as files have them for other fields."""
 
 

@@ -19,6 +19,7 @@ from tisph.measures.fits import (
 )
 from tisph.measures.flow import FlowInBox
 from tisph.measures.metrics import with_reference
+from tisph.measures.substance import Substance
 from tisph.snapshot import Snapshot
 
 ROUNDING = 1e-6  # spacings
@@ -104,9 +105,9 @@ class Profile:
     """A quantity along a ``line``.
 
     ``of``: function of a snapshot that returns the quantity (particles,). ``unit``: a kind of unit that
-    ``report/labels.py`` knows. ``exact``: function of places x, y and times, which broadcast, that returns the
-    reference; None without one. ``reference``: its name in pictures; ``steady``: whether it is one of the steady state
-    alone. ``scale``: value and name of the scale over which errors are shown, if any.
+    ``report/labels.py`` knows, or the label of a unit. ``exact``: function of places x, y and times, which broadcast,
+    that returns the reference; None without one. ``reference``: its name in pictures; ``steady``: whether it is one of
+    the steady state alone. ``scale``: value and name of the scale over which errors are shown, if any.
     """
 
     name: str
@@ -170,9 +171,10 @@ class MovieView:
     """The quantity that colours the fluid in a movie, and the profile beside it.
 
     ``of``: function of a snapshot that returns the quantity. ``signed``: colours span minus to plus the largest
-    magnitude if it has both signs, else they start at 0. Ranges of the run: ``ends`` spans the profile, and ``values``,
-    which are even over fluid and time, give the limits of the colours; None if only the frames show them. ``error``:
-    name in a snapshot and in words of the field whose error is written beside the movie; None for the velocity.
+    magnitude if it has both signs, else they start at 0; without ``from_zero`` they span the least to the largest
+    value. Ranges of the run: ``ends`` spans the profile, and ``values``, which are even over fluid and time, give the
+    limits of the colours; None if only the frames show them. ``error``: name in a snapshot and in words of the field
+    whose error is written beside the movie; None for the velocity.
     """
 
     name: str
@@ -182,6 +184,7 @@ class MovieView:
     ends: Sequence[float] | None
     values: np.ndarray | None = None
     error: tuple[str, str] | None = None
+    from_zero: bool = True
 
 
 @dataclass(frozen=True)
@@ -268,14 +271,15 @@ class Colour:
     """A quantity that may colour a movie.
 
     ``of``: function of a scene and a snapshot that returns the quantity (particles,); ``unit``: a kind of unit;
-    ``signed``: whether the quantity has both signs; ``fields``: the fields of a snapshot that it needs beside places,
-    velocities and shear stress.
+    ``signed``: whether the quantity has both signs; ``from_zero``: whether its colours span 0; ``fields``: the fields
+    of a snapshot that it needs beside places, velocities and shear stress.
     """
 
     words: str
     unit: str
     of: Callable
     signed: bool = True
+    from_zero: bool = True
     fields: tuple[str, ...] = ()
 
 
@@ -374,7 +378,19 @@ COLOURS = {
     ),
     "error": Colour("error of the velocity", "velocity", _error, signed=False),
 }
-"""Colours by the names of ``output.video.color_by``; dye is no quantity of the flow (``report/field.py``)."""
+"""Colours by the names of ``output.video.color_by``; dye is no quantity of the flow (``report/field.py``).
+
+Further ones are ``substance_colour``."""
+
+
+def substance_colour(each: Substance) -> Colour:
+    """Return the colour that shows a temperature or a dissolved substance."""
+
+    def of(_: Any, snapshot: Snapshot) -> np.ndarray:
+        return snapshot.field(each.name)
+
+    words = each.name.replace("_", " ")
+    return Colour(words, each.unit, of, signed=False, from_zero=False, fields=(each.name,))
 
 
 ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}

@@ -22,8 +22,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from tisph import config, runtime, scenes
 from tisph.config.schema import Config, colours
 from tisph.config.sections import Video
@@ -420,7 +418,8 @@ def _require_movie_keys(folder: Folder, overrides: Sequence[str]) -> None:
 def _require_fields(folder: Folder, scene: Scene, color_by: str) -> None:
     """Raise ConfigError where the stored frames lack a field that a movie coloured by ``color_by`` shows."""
     for snapshot in islice(Results(folder.root).snapshots(frames=True), 1):
-        lacking = [name for name in scene.movie_fields(color_by) if not np.size(getattr(snapshot, name))]
+        found = {name: snapshot.field(name) for name in scene.movie_fields(color_by)}
+        lacking = [name for name, values in found.items() if values is None or not len(values)]
         if lacking:
             raise ConfigError(
                 f"{VIDEO}color_by = {color_by}: {folder.frames} has no {', '.join(lacking)}; "

@@ -223,7 +223,7 @@ def _profiles(compared: Sequence[Any], snapshots: Sequence[Snapshot]) -> dict[st
     A profile is compared at as many points as the coarsest run has particles along its line.
     """
     found = {}
-    for profiles in zip(*(scene.profiles() for scene in compared), strict=True):
+    for profiles in zip(*(scene.all_profiles() for scene in compared), strict=True):
         line = profiles[0].line
         count = round((line.ends[1] - line.ends[0]) / compared[0].spacing)
         x, y = np.broadcast_arrays(*line.points(line.coordinates(2 * count + 1)[1::2]))

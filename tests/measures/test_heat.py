@@ -8,7 +8,9 @@ import pytest
 from tisph import scenes
 from tisph.config import loader
 from tisph.config.schema import colours
+from tisph.measures.heat import dimensionless_numbers
 from tisph.measures.metrics import sample_metrics
+from tisph.measures.resolution import resolution
 from tisph.simulation.state import start_snapshot, start_values
 
 CAVITY = {
@@ -118,3 +120,55 @@ def test_a_temperature_that_acts_on_the_flow_leaves_no_reference():
         assert [profile.exact is not None for profile in scene.profiles()] == [known, known]
         assert (scene.time_series().exact(np.array([0.5])) is not None) == known
         assert ("error" in colours(settings)) == known
+
+
+def test_a_layer_of_heat_at_a_wall_is_resolved_from_two_spacings_on():
+    """Its depth is sqrt(kappa t), kappa = 0.3; the spacing is 0.1."""
+    scene = scenes.of(loader.loaded({**CAVITY, "temperature": HEATED}, {}))
+    early, late = (depth**2 / 0.3 for depth in (0.19, 0.21))
+    assert resolution(scene, early) == (
+        False,
+        "the layer of temperature is 1.9 spacings thin; resolved from 2 spacings on",
+    )
+    assert resolution(scene, late) == (True, None)
+    walls = {"left": 1.0, "right": {"flux": 1.0}}
+    at_rest = {**CAVITY, "temperature": {**HEATED, "initial": 1.0, "walls": walls}}
+    assert resolution(scenes.of(loader.loaded(at_rest, {})), early) == (True, None)  # nothing jumps
+
+
+def test_a_sample_with_a_steep_substance_is_not_resolved():
+    box = {**CAVITY, "scalars": [DYE]}
+
+    def front(width):
+        return lambda x, y: np.tanh((x - 1.0) / width)
+
+    steep, even = (sample(box, {"dye": front(width)}) for width in (0.02, 0.2))
+    assert (steep["resolved"], even["resolved"]) == (False, True)
+    assert "dye changes by its whole range within" in steep["reason"]
+    corner = sample(box, {"dye": lambda x, y: np.arctan2(y, x)})  # a wall at 0 that meets a wall at pi/2
+    assert corner["resolved"]
+
+
+def test_the_numbers_of_a_flow_with_heat_are_in_its_forecast():
+    law = {"type": "arrhenius", "activation_temperature": 900.0}
+    walls = {"left": 310.0, "right": 300.0}
+    section = {
+        **HEATED,
+        "reference": 300.0,
+        "initial": 300.0,
+        "viscous_heating": True,
+        "viscosity": law,
+        "walls": walls,
+    }
+    config = {**CAVITY, "walls": {"lid": {"velocity": 4.0}}, "temperature": section, "scalars": [DYE]}
+    found = {
+        label: float(text.split()[0]) for label, text in dimensionless_numbers(scenes.of(loader.loaded(config, {})))
+    }
+    # L = 2, U = 4, nu = 1, k = 3, rho c = 10, kappa = 0.3, mu U^2/k = 32/3, ln mu changes by 900/300^2 = 0.01 a degree
+    assert found["Prandtl number"] == pytest.approx(1 / 0.3, rel=1e-3)
+    assert found["Peclet number"] == pytest.approx(8 / 0.3, rel=1e-3)
+    assert found["Nahme number"] == pytest.approx(0.32 / 3, rel=1e-3)
+    assert found["Brinkman number"] == pytest.approx(3.2 / 3, rel=1e-3)
+    assert (found["Schmidt number of dye"], found["Peclet number of dye"]) == (10.0, 80.0)
+    scale = scenes.of(loader.loaded(config, {})).temperature.scale
+    assert found["Rayleigh number"] == pytest.approx(scale * 8 / 0.3, rel=1e-3)

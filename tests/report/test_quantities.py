@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 from report_scene import END, Drawn, make_annulus, make_channel, make_polymer_channel, make_snapshot, make_video, shown
 
+from tisph import scenes
+from tisph.config import loader
+from tisph.config.schema import colours
 from tisph.geometry.motion import WallMotion
 from tisph.report import style
 from tisph.report.quantities import Spread, limits_of
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Snapshot
 
 DEVELOPED = {"initial_state": "developed"}
@@ -145,3 +149,35 @@ def test_a_field_fills_the_fluid_with_the_colours_of_its_values():
 )
 def test_flows_that_cross_zero_or_die_away_are_known(flow, expected):
     assert make_channel(**flow).vanishing_scale == expected
+
+
+HEATED_CAVITY = {
+    "scene": "cavity",
+    "fluid": {"density": 1.0, "kinematic_viscosity": 1.0},
+    "geometry": {"width": 1.0, "height": 1.0},
+    "walls": {"lid": {"velocity": 1.0}},
+    "temperature": {"conductivity": 1.0, "heat_capacity": 1.0, "walls": {"left": 310.0, "right": 300.0}},
+    "scalars": [{"name": "dye", "diffusivity": 1.0, "initial": "0.5*y"}],
+    "discretisation": {"particles_across": 20},
+    "time": {"end": END},
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "along", "ends"), [("temperature", "K", "x", (300.0, 310.0)), ("dye", "", "y", (0.0, 0.5))]
+)
+def test_colours_of_a_substance_span_its_least_to_largest_value(name, unit, along, ends):
+    """On the line from the hot wall to the cold one; a substance named dye takes the place of the pattern."""
+    config = loader.loaded(HEATED_CAVITY, {})
+    assert name in colours(config)
+    scene = scenes.of(config)
+    start = start_snapshot(scene, start_values(scene, config.initial), "f64")
+    start = replace(start, substances={**start.substances, "temperature": 310.0 - 10.0 * start.x})
+    drawn = Drawn(scene, make_video(width=640, height=320, color_by=name))
+    frame = drawn.render(start)
+    values = start.substances[name]
+    quantity = drawn.quantity
+    assert quantity.colour_range == (values.min(), values.max()) == pytest.approx(ends, abs=0.1 * (ends[1] - ends[0]))
+    assert (quantity.unit, quantity.colour_name, quantity.profile.line.along) == (unit, name, along)
+    assert quantity.profile_range == pytest.approx(ends, abs=0.15 * (ends[1] - ends[0]))
+    assert len(np.unique(frame.reshape(-1, 3), axis=0)) > 100  # the colours of the field

@@ -1,6 +1,8 @@
 """Samples in the files of other programs: read back by their readers, or by the format's own words."""
 
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -16,10 +18,12 @@ from tisph.observers.samples import Description, Samples, write_snapshot
 from tisph.observers.vtk import Vtk
 from tisph.results.export import FORMATS, export
 from tisph.scenes.channel import Channel
+from tisph.simulation.state import start_snapshot, start_values
 from tisph.snapshot import Bodies, Snapshot
 
 POLYMER = "fluid.rheology={type: oldroyd_b, relaxation_time: 0.5, solvent_fraction: 0.4}"
 TIMES = [0.5, 2.0]
+CAVITY = Path(__file__).parents[2] / "configs" / "cavity.yaml"
 
 
 @pytest.fixture
@@ -229,3 +233,28 @@ def test_vtk_reads_bodies_and_frames(rotating):
             assert reader.GetOutput().GetCellType(0) == kind
     wrong = CliRunner().invoke(cli.app, ["export", str(run.folder), "--to", "csv", "--frames"])
     assert (wrong.exit_code, wrong.stderr.count("vtkhdf only")) == (2, 1)
+
+
+def test_every_format_has_temperature_and_dissolved_substances(tmp_path):
+    heated = {"conductivity": 1.0, "heat_capacity": 1.0, "unit": "degC", "walls": {"left": 1.0}}
+    changes = ["walls.lid.velocity=1.0", f"temperature={heated}", "scalars=[{name: dye, diffusivity: 1.0}]"]
+    config = load(CAVITY, [*changes, "discretisation.particles_across=18"])
+    scene = scenes.of(config)
+    (tmp_path / "config.resolved.yaml").write_text(config.resolved_yaml())
+    samples = Samples(tmp_path / "samples.h5", scene, [0.5], about=Description(config, scene))
+    start = start_snapshot(scene, start_values(scene, config.initial), "f64")
+    carried = {"temperature": start.x**2, "dye": 1.0 - start.y}
+    samples.observe(replace(start, t=0.5, substances=carried))
+    samples.close()
+    run = tisph.open(tmp_path)
+    with np.load(export(run, "npz")) as arrays:
+        found = {name: arrays[name][0] for name in carried}
+    with h5py.File(export(run, "vtkhdf")) as file:
+        points = {name: file[f"VTKHDF/PointData/{name}"][:] for name in carried}
+        assert "temperature [degC]" in file["VTKHDF/FieldData/units"][0].decode()
+    for name, values in carried.items():
+        assert np.array_equal(found[name], values), name
+        assert np.array_equal(points[name], values), name
+    assert export(run, "csv").read_text().splitlines()[2].startswith("t,particle,x,y,density,dye,pressure,temperature")
+    assert ":dye:R:1:" in export(run, "extxyz").read_text().splitlines()[1]
+    assert list(next(run.snapshots()).substances) == ["dye", "temperature"]

@@ -47,7 +47,7 @@ class Drawn:
     def render(self, snapshot):
         """Where no reference tells the ranges, those of the first snapshot hold."""
         if not self.renderer:
-            ranges = _Ranges(self.movie._view.profile)
+            ranges = _Ranges(self.movie._view)
             ranges.add(self.movie._measured(snapshot))
             self.movie._renderer = self.movie._new_renderer(ranges)
         return self.movie.frame(snapshot)

@@ -5,19 +5,23 @@ plane wall to a cold one, is the mean of the flow through all sections: it has n
 difference of the two Nusselt numbers estimates their error.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from tisph.measures.fits import velocity_gradients
-from tisph.measures.flow import FlowInBox
+from tisph.measures.fits import periodic_tree, velocity_gradients
+from tisph.measures.flow import FAINT, FlowInBox, Size
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.snapshot import Snapshot
 
+NEAREST = 7
+"""Particles, the particle itself included, among which its steepest slope is found."""
+
 
 @dataclass(frozen=True)
-class _Wall:
+class Wall:
     """A wall with a ``suffix`` of names: ``points`` (n, 2) on it, the ``areas`` (n,) that they stand for, and T."""
 
     suffix: str
@@ -32,7 +36,7 @@ class _Wall:
         return self.condition.value(x, y, t) if self.condition.value else np.empty(0)
 
 
-def _walls(scene: FlowInBox, each: Substance, t: float) -> list[_Wall]:
+def walls_of(scene: FlowInBox, each: Substance, t: float) -> list[Wall]:
     """Return the walls and bodies of a flow with their conditions, per length in planar flow."""
     places: list[tuple[str, np.ndarray, np.ndarray]] = []
     if scene.parallel:
@@ -44,7 +48,7 @@ def _walls(scene: FlowInBox, each: Substance, t: float) -> list[_Wall]:
             around = 2.0 * np.pi * boundary.point[:, 1] if scene.axisymmetric else 1.0
             suffix = name if name[:1] in ("", "_") else f"_{name}"
             places.append((suffix, boundary.point, boundary.length * around))
-    found = [_Wall(*place, each.conditions[number], number) for number, place in enumerate(places)]
+    found = [Wall(*place, each.conditions[number], number) for number, place in enumerate(places)]
     return [wall for wall in found if scene.parallel or scene.bodies[wall.number].solid]
 
 
@@ -73,7 +77,7 @@ def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float 
         exact = (snapshot.reference or {}).get(each.name)
         if exact is not None:
             found[f"{each.name}_error"] = np.abs(values - exact).max() / each.scale
-        walls = _walls(scene, each, snapshot.t)
+        walls = walls_of(scene, each, snapshot.t)
         flows = None if snapshot.flows is None else snapshot.flows[number]
         found |= {f"{amount}_flow{wall.suffix}": None if flows is None else flows[wall.number] for wall in walls}
         found |= _balance(scene, snapshot, each, values, amount, number)
@@ -99,7 +103,7 @@ def _balance(
 
 
 def _nusselt(
-    scene: FlowInBox, snapshot: Snapshot, each: Substance, excess: np.ndarray, walls: list[_Wall], flows: Any
+    scene: FlowInBox, snapshot: Snapshot, each: Substance, excess: np.ndarray, walls: list[Wall], flows: Any
 ) -> dict[str, float | None]:
     """Return Nusselt numbers, reference length * flux/(k * largest difference of the given temperatures of walls).
 
@@ -131,3 +135,69 @@ def _nusselt(
         part = scene.reference_length / abs(apart[axis])
         found["nusselt_sections"] = part * (1.0 + carried / (each.diffusivity * difference))
     return found
+
+
+def thinnest_layer(scene: FlowInBox, t: float) -> Size:
+    """Return the depth sqrt(kappa t) of the layer at a wall whose given value is another one than at the start.
+
+    Of several layers it is the one that is the thinnest in spacings; infinite if there is none.
+    """
+    layers = []
+    for each in scene.substances:
+        for number in each.jumps:
+            spacing = scene.wall_spacings[number] if scene.bodies else scene.spacing
+            layers.append((math.sqrt(each.diffusivity * (t - scene.start_time)), f"the layer of {each.words}", spacing))
+    return min(layers, key=lambda layer: layer[0] / layer[2], default=(math.inf, ""))
+
+
+def steepest(scene: FlowInBox, snapshot: Snapshot) -> tuple[float, str]:
+    """Return the shortest length, in spacings, in which a substance changes by its whole range, and its name.
+
+    The length is the range over the slope to a neighbour that half a row of particles exceed: at corners between walls
+    of different values the slope is infinite.
+    """
+    found = [(math.inf, "")]
+    for each in scene.substances:
+        values, places = snapshot.field(each.name), np.stack([snapshot.x, snapshot.y], axis=1).astype(float)
+        if values is None or not (np.ptp(values) > FAINT * each.scale and np.isfinite(places).all()):
+            continue
+        tree, positions = periodic_tree(scene, places)
+        distance, others = (each[:, 1:] for each in tree.query(positions, NEAREST))
+        slopes = np.abs(values[others] - values[:, None]) / distance
+        changes = slopes.max(axis=1) * snapshot.widths(scene.spacing)
+        row = max(1, round(0.5 * math.sqrt(len(changes))))
+        found.append((float(np.ptp(values) / np.partition(changes, -row)[-row]), each.words))
+    return min(found)
+
+
+def dimensionless_numbers(scene: FlowInBox) -> list[tuple[str, str]]:
+    """Return pairs (label, text) about the substances of a flow, for ``tisph check``."""
+    lines: list[tuple[str, str]] = []
+    length, viscosity, unit = scene.reference_length, scene.kinematic_viscosity, scene.units.length
+    for each in scene.substances:
+        kappa, heat = each.diffusivity, each.name == TEMPERATURE
+        symbol, of, number = ("kappa", "", "Prandtl number") if heat else ("D", f" of {each.words}", "Schmidt number")
+        lines.append((f"diffusivity{of}", f"{kappa:.6g} {unit}^2/{scene.units.time}  ({symbol})"))
+        lines.append((f"{number}{of}", f"{viscosity / kappa:.4g}  (nu/{symbol})"))
+        numbers, layer = {}, 0.0
+        if scene.velocity_scale:
+            peclet = scene.reference_velocity * length / kappa
+            numbers["Peclet number"], layer = (peclet, f"U L/{symbol}"), length * peclet**-0.5
+        power = each.heating * viscosity * scene.reference_velocity**2 / kappa  # a difference of temperatures
+        if power and each.law:
+            numbers["Nahme number"] = abs(each.sensitivity) * power, "a mu U^2/k, a the change of ln mu with T"
+        given = [wall.given(scene.start_time) for wall in walls_of(scene, each, scene.start_time)]
+        if power and (difference := np.ptp(np.concatenate([*given, np.zeros(0 if any(map(len, given)) else 1)]))):
+            numbers["Brinkman number"] = power / difference, "mu U^2/(k dT)"
+        if each.expansion:
+            drive = float(np.hypot(*each.buoyancy)) * each.scale
+            rayleigh = drive * length**3 / (viscosity * kappa)
+            numbers["Rayleigh number"], layer = (rayleigh, "g beta dT L^3/(nu kappa)"), length * rayleigh**-0.25
+        lines += [(name + of, f"{value:.4g}  ({meaning})") for name, (value, meaning) in numbers.items()]
+        if 0.0 < layer < length and not scene.parallel:
+            formula = "L Ra^(-1/4)" if each.expansion else "L Pe^(-1/2)"
+            text = (
+                f"{layer:.4g} {unit}, {layer / scene.wall_spacing:.2g} spacings  (about {formula}, where fluid passes)"
+            )
+            lines.append((f"thin layer{of}" if of else "thermal layer", text))
+    return lines

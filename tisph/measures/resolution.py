@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from tisph.measures import heat
 from tisph.measures.flow import FlowInBox
 from tisph.snapshot import Snapshot
 
@@ -131,11 +132,11 @@ def unresolved(scene: FlowInBox, t: float, snapshot: Snapshot | None = None) -> 
     Before the run, without a ``snapshot``, only layers, radii and gaps are checked. Without inertia there is no layer.
     """
     given, scene = scene, scene if snapshot is None else scene.seen(snapshot)
-    depth, layer, *there = scene.thinnest_layer(t) if scene.inertia else (math.inf, "")
-    spacings = depth / (there[0] if there else scene.wall_spacing)
-    if spacings < LEAST_DEPTH:
-        text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
-        return f"layer of {spacings:.1f} spacings" if spacings else "layer that starts", text
+    for depth, layer, *there in (*([scene.thinnest_layer(t)] if scene.inertia else []), heat.thinnest_layer(scene, t)):
+        spacings = depth / (there[0] if there else scene.wall_spacing)
+        if spacings < LEAST_DEPTH:
+            text = f"{layer} is {spacings:.2g} spacings thin; resolved from {LEAST_DEPTH:g} spacings on"
+            return f"layer of {spacings:.1f} spacings" if spacings else "layer that starts", text
     radius, gap = scene.narrowest(t)
     for name, (size, what, *there), least in (("radius", radius, LEAST_RADIUS), ("gap", gap, LEAST_GAP)):
         spacings = size / (there[0] if there else scene.wall_spacing)
@@ -177,4 +178,8 @@ def _unresolved_state(scene: FlowInBox, snapshot: Snapshot) -> tuple[str, str] |
         change, x, y = snapshot.steepest
         text = f"the polymer's stretch changes {math.exp(change):.2g}-fold within a spacing at ({x:.4g}, {y:.4g})"
         return "polymer stress too steep", f"{text}; resolved up to {math.exp(STEEPEST):.2g}-fold"
+    spacings, name = heat.steepest(scene, snapshot)
+    if spacings < LEAST_DEPTH:
+        text = f"{name} changes by its whole range within {spacings:.2g} spacings"
+        return f"{name} too steep", f"{text}; resolved from {LEAST_DEPTH:g} spacings on"
     return None

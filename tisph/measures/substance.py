@@ -29,6 +29,7 @@ class Substance:
     * ``conditions``: of each of the ``bodies`` of the flow, ``Condition(flux=0)`` where a wall lets nothing through.
       A channel has those of the bottom and the top wall.
     * ``scale``: size of its differences, which errors of steps refer to.
+    * ``jumps``: numbers of the walls and bodies at which the given value differs from the initial one.
     * ``heating``: rise of T by a power of the stresses of 1 per mass, 0 without viscous heating.
     * ``expansion``: body force -``expansion`` * (T - ``reference``) * ``gravity``; 0 without an effect.
     * ``law``: factor of viscosity and relaxation times (``config/heat.py``); None without an effect.
@@ -43,6 +44,7 @@ class Substance:
     inlet: FieldFormula
     conditions: tuple[Condition, ...]
     scale: float
+    jumps: tuple[int, ...] = ()
     heating: float = 0.0
     reference: float = 0.0
     expansion: float = 0.0
@@ -53,6 +55,18 @@ class Substance:
     def buoyancy(self) -> np.ndarray:
         """Acceleration (2,) of the fluid per T above the reference."""
         return -self.expansion * np.array(self.gravity)
+
+    @property
+    def words(self) -> str:
+        """Name in texts."""
+        return self.name.replace("_", " ")
+
+    @property
+    def sensitivity(self) -> float:
+        """Change of the logarithm of the factor of viscosity with T, at the reference."""
+        step = 1e-5 * (abs(self.reference) or self.scale)
+        exponents = [float(self.law.exponent(self.reference + side * step, self.reference)) for side in (-1.0, 1.0)]
+        return (exponents[1] - exponents[0]) / (2.0 * step)
 
     @property
     def has_source(self) -> bool:

@@ -12,6 +12,8 @@ from tisph.config.base import Problem
 from tisph.config.fields import nearest
 from tisph.config.formula import FieldFormula
 from tisph.config.heat import LARGEST_EXPONENT, Carried, Flux, Temperature
+from tisph.measures.flow import FAINT
+from tisph.measures.heat import walls_of
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.scenes._spacing import key_of
 from tisph.scenes._views import COLOURS
@@ -105,6 +107,14 @@ def _substance(config: "Config", key: str, section: Any, flow: Any) -> Substance
     return replace(found, scale=_size(flow, found, config.time.end) or 1.0)
 
 
+def _jumps(flow: Any, each: Substance) -> Iterator[int]:
+    """Yield the numbers of the walls at which a given value differs from the initial one."""
+    for wall in walls_of(flow, each, flow.start_time):
+        given, (x, y) = wall.given(flow.start_time), wall.points.T
+        if len(given) and np.abs(given - each.initial(x, y, flow.start_time)).max() > FAINT * each.scale:
+            yield wall.number
+
+
 def with_substances(flow: Any, config: "Config") -> Any:
     """Return a ``flow`` made from a ``config`` with its temperature and dissolved substances.
 
@@ -115,7 +125,7 @@ def with_substances(flow: Any, config: "Config") -> Any:
     if not sections:
         return flow
     found = tuple(_substance(config, key, section, flow) for key, section in sections.items())
-    changes: dict[str, Any] = {"substances": found}
+    changes: dict[str, Any] = {"substances": tuple(replace(each, jumps=tuple(_jumps(flow, each))) for each in found)}
     if not (flow.given_velocity or flow.velocity_scale):
         length = flow.reference_length
         drive = max(float(np.hypot(*each.buoyancy)) * each.scale for each in found)

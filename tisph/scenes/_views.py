@@ -389,8 +389,7 @@ def substance_colour(each: Substance) -> Colour:
     def of(_: Any, snapshot: Snapshot) -> np.ndarray:
         return snapshot.field(each.name)
 
-    words = each.name.replace("_", " ")
-    return Colour(words, each.unit, of, signed=False, from_zero=False, fields=(each.name,))
+    return Colour(each.words, each.unit, of, signed=False, from_zero=False, fields=(each.name,))
 
 
 ERRORS = {"pressure": ("pressure", "p"), "shear_stress": ("stress_xy", "Sxy")}

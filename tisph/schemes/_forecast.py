@@ -12,6 +12,7 @@ from tisph import scenes, schemes
 from tisph.config import schema
 from tisph.config.schema import Config
 from tisph.errors import ConfigError
+from tisph.measures.heat import dimensionless_numbers
 from tisph.measures.resolution import STEEPEST, resolution
 from tisph.scenes._automatic import FINEST, MORE
 from tisph.scenes._channel import Channel
@@ -165,7 +166,8 @@ def described(config: Config, numbers: dict[str, Any], warnings: Sequence[str]) 
     walls = [config.members["walls"].type] if "walls" in config.members else []
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
     scene = scenes.of(config)
-    for label, text in [*scene.parameters(), *_run_lines(config, numbers), *_sample_lines(scene, numbers["samples"])]:
+    known = [*scene.parameters(), *dimensionless_numbers(scene)]
+    for label, text in [*known, *_run_lines(config, numbers), *_sample_lines(scene, numbers["samples"])]:
         yield f"  {label:22} {text}"
     for text in warnings:
         yield f"  warning: {text}"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from tisph import schemes
 from tisph.folder import Folder
+from tisph.measures.heat import dimensionless_numbers
 from tisph.report.encoder import poster
 from tisph.report.labels import number, scientific
 from tisph.version import __version__
@@ -267,7 +268,12 @@ def _address(suffix: str, content: bytes) -> str:
 def _facts(run: "Results") -> list[tuple[str, str]]:
     """Return parameters of the flow, as ``tisph check`` prints them, scheme and number of particles."""
     numbers = run.summary.numbers
-    facts = [*run._scene.parameters(), ("scene", run.config.scene), ("scheme", schemes.resolve(run.config)[1])]
+    facts = [
+        *run._scene.parameters(),
+        *dimensionless_numbers(run._scene),
+        ("scene", run.config.scene),
+        ("scheme", schemes.resolve(run.config)[1]),
+    ]
     if "particles_fluid" in numbers:
         facts.append(("particles", str(numbers["particles_fluid"])))
     units = run.config.units

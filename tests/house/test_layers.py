@@ -19,7 +19,7 @@ PACKAGE = Path(tisph.__file__).parent
 
 # Each part may import the parts in the levels below its own, and itself. Parts of one level are independent.
 LEVELS = [
-    ["errors", "events", "snapshot", "registry", "size_class", "text_table", "version"],
+    ["errors", "events", "formula", "snapshot", "registry", "size_class", "text_table", "version"],
     ["folder"],
     ["config", "exact", "geometry"],
     ["measures", "references"],

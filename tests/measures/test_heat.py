@@ -122,7 +122,7 @@ def test_a_temperature_that_acts_on_the_flow_leaves_no_reference():
         assert ("error" in colours(settings)) == known
 
 
-def test_a_layer_of_heat_at_a_wall_is_resolved_from_two_spacings_on():
+def test_a_layer_of_heat_is_resolved_from_two_spacings_on():
     """Its depth is sqrt(kappa t), kappa = 0.3; the spacing is 0.1."""
     scene = scenes.of(loader.loaded({**CAVITY, "temperature": HEATED}, {}))
     early, late = (depth**2 / 0.3 for depth in (0.19, 0.21))

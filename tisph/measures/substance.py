@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from tisph.config.formula import FieldFormula
+from tisph.formula import FieldFormula
 
 TEMPERATURE = "temperature"
 """Name of the temperature among the substances."""

@@ -10,8 +10,8 @@ import numpy as np
 from tisph import registry
 from tisph.config.base import Problem
 from tisph.config.fields import nearest
-from tisph.config.formula import FieldFormula
 from tisph.config.heat import LARGEST_EXPONENT, Carried, Flux, Temperature
+from tisph.formula import FieldFormula
 from tisph.measures.flow import FAINT
 from tisph.measures.heat import walls_of
 from tisph.measures.substance import TEMPERATURE, Condition, Substance

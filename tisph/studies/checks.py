@@ -31,7 +31,7 @@ from typing import Any
 import numpy as np
 
 from tisph.config.fields import nearest
-from tisph.config.formula import is_number
+from tisph.formula import is_number
 from tisph.measures.metrics import fitted_order
 from tisph.references import table
 from tisph.studies import measures

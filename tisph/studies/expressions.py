@@ -16,8 +16,8 @@ from types import CodeType
 from typing import TYPE_CHECKING, Any
 
 from tisph.config.fields import nearest
-from tisph.config.formula import FormulaError, compiled, evaluated
 from tisph.errors import ConfigError
+from tisph.formula import FormulaError, compiled, evaluated
 from tisph.measures.channel import wall_shear_error
 
 if TYPE_CHECKING:

@@ -50,12 +50,14 @@ PARTNERS = {
     "output.video.dye": {"output.video.color_by": "dye"},
     "scheme.largest_strain": {"time.tolerance": 0.1},
     "units.mass": {"output.video.color_by": "pressure"},
+    "temperature.unit": {"output.video.color_by": "temperature"},
 }
 """Key -> other keys, with the values that they need beside it."""
 
 WITHOUT = {
     "bodies": "a list of shapes, whose keys are varied one by one",
     "fluid.rheology.modes": "a list of polymers, whose keys are varied one by one",
+    "temperature.viscosity.type": "a law is varied as a whole",
     "walls.around": "a shape, whose keys are varied one by one",
     "name": "of the folder of results, which other tests see",
     "accuracy": "makes further runs, and changes none",
@@ -75,7 +77,7 @@ REFUSED = {
 }
 """Scene -> pattern of the keys of a model that it shares with other scenes, and that it always refuses."""
 
-OUTPUT = re.compile(r"(title|units|output|time\.(end|samples))\b")
+OUTPUT = re.compile(r"(title|units|output|time\.(end|samples)|temperature\.unit)\b")
 PLANNED = re.compile(r"(time\.(end|samples)|output\.(checkpoint_every|vtk|video\.frames|video))$")
 OFTEN = re.compile(r"(discretisation\.(kernel|smoothing_ratio)|scheme|scheme\..*|time\.(cfl|tolerance))$")
 """Keys of all scenes that are varied in each form; the others in the forms of ``WHOLE``, and in slow tests in all."""
@@ -197,6 +199,10 @@ def candidates(place, kinds, value, settings):
         return [settings.across / (settings.particles_across + more) for more in (1, 2, 4)]
     if key == "discretisation.refine":
         return ["auto"] if value and "near" in value[0] else []  # its first run is whole: in one form
+    if key == "temperature.viscosity":
+        return [{"type": "exponential", "coefficient": 0.02}]
+    if key in ("temperature.walls", "scalars.walls"):
+        return [{"top": 0.3}]
     if key == "discretisation.refine.near":
         return ["walls.bottom"]
     found = [each for kind, metadata in kinds for each in values(kind, metadata, value, REQUIRED)]
@@ -269,6 +275,8 @@ def plain(state, above=""):
     for name, value in vars(state).items():
         if hasattr(value, "__dataclass_fields__"):
             yield from plain(value, f"{name}.")
+        elif isinstance(value, dict):
+            yield from ((f"{name}.{key}", array.tobytes()) for key, array in value.items())
         else:
             yield above + name, value.tobytes() if isinstance(value, np.ndarray) else repr(value)
 

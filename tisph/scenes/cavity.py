@@ -464,6 +464,13 @@ class Config(schema.Config):
         return self.geometry.width, self.geometry.height
 
     @property
+    def flow(self) -> str:
+        """The flow in words, for titles."""
+        if self.walls.lid.largest_velocity:
+            return super().flow
+        return "Cavity at rest" if self.isothermal else "Convection in a cavity"
+
+    @property
     def singular(self) -> bool:
         """Whether the lid slides past corners, and drags the fluid there with it."""
         lid = self.walls.lid

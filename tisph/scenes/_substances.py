@@ -141,7 +141,7 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
         return
     names = [scalar.name for scalar in config.scalars]
     for index, name in enumerate(names):
-        if name in names[:index] or name in TAKEN:
+        if name in names[:index] or name in (*TAKEN, *COLOURS):
             yield f"scalars.{index}.name", f"must differ from other names of results; {name} is one"
             return
     if not any(config.problems()):
@@ -154,29 +154,15 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
         yield next(iter(sections)), "is for two-dimensional flow yet: take scene region in place of a channel"
 
 
-TAKEN = (
-    *COLOURS,
-    "temperature",
-    "x",
-    "y",
-    "u",
-    "v",
-    "w",
-    "t",
-    "step",
-    "area",
-    "density",
-    "pressure",
-    "passages",
-    "bodies",
-)
+TAKEN = ("temperature", "x", "y", "u", "v", "w", "t", "step", "area", "density", "pressure", "passages", "bodies")
 """Names that a dissolved substance must not have, as files have them for other fields."""
 
 
 def _condition_problems(key: str, section: Carried, flow: Any) -> Iterator[Problem]:
     """Yield errors of conditions at walls and bodies that the ``flow`` does not have."""
     keys = condition_keys(flow)
-    walls = [name for place, name in keys if place == "walls"]
+    solid = [body.solid for body in flow.bodies] or len(keys) * [True]
+    walls = [name for (place, name), wall in zip(keys, solid, strict=True) if place == "walls" and wall]
     known = {*walls, *(name.rpartition("_")[0] for name in walls)} - {""}
     for name in section.walls:
         if name not in known:

@@ -1,6 +1,7 @@
 """Files as other codes write them, and how they are aligned: the same particles give the same numbers."""
 
 import json
+from types import SimpleNamespace
 
 import assessment_case
 import h5py
@@ -11,6 +12,7 @@ from typer.testing import CliRunner
 
 from tisph import cli
 from tisph.assessment import judge, readers
+from tisph.assessment.columns import Frame, in_config
 from tisph.errors import ConfigError
 
 
@@ -168,6 +170,13 @@ def test_units(tmp_path, config, particles):
     question = judge.Question(times=(TIME,), units=["length=mm", "velocity=2"])
     found = judge.judge(config, [tmp_path / "mixed.csv"], question).samples[0]
     assert found.numbers["l2"] == pytest.approx(l2(particles))
+
+
+def test_a_temperature_keeps_its_unit(tmp_path):
+    frame = Frame({"x": np.ones(2), "temperature": np.array([300.0, 310.0])}, units={"temperature": "degC", "x": "cm"})
+    found = in_config(frame, None, SimpleNamespace(length="m", mass="kg", time="s"), tmp_path)
+    assert found.columns["temperature"].tolist() == [300.0, 310.0]
+    assert found.columns["x"].tolist() == [0.01, 0.01]
 
 
 @pytest.mark.parametrize(

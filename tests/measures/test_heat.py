@@ -50,6 +50,14 @@ def test_both_nusselt_numbers_of_a_known_flow():
     assert found["nusselt_sections"] == pytest.approx(1.0 + (1 / 5 - 1 / 9) * 2.0 / 0.3, rel=1e-9)
 
 
+def test_the_largest_error_is_over_the_range_of_given_values():
+    exact = {"temperature": np.linspace(1.0, 2.0, 200)}
+    section = {**HEATED, "walls": {"left": 4.0, "right": 0.0}}
+    found = sample({**CAVITY, "temperature": section}, {"temperature": lambda x, y: 0.0 * x}, reference=exact)
+    assert found["temperature_error"] == 2.0 / 4.0
+    assert "temperature_error" not in sample({**CAVITY, "temperature": section}, {})
+
+
 def test_a_wall_with_a_flux_or_one_temperature_has_no_nusselt_number():
     for walls in ({"left": 1.0}, {"left": 1.0, "right": 1.0}, {"left": 1.0, "right": {"flux": 2.0}}):
         names = sample({**CAVITY, "temperature": {**HEATED, "walls": walls}}, {})

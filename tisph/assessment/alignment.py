@@ -254,9 +254,9 @@ def _aligned(columns: Columns, notes: tuple[str, ...], scene: Scene, t: float) -
         for axis, start, size, periodic in zip((x, y), low, scene.extent, scene.periodic, strict=True)
     ]
     nothing = np.full(len(y), np.nan)
-    known: dict[str, Any] = {
-        name: columns.get(name, nothing) for name in {"u", "v", "density", "pressure", *scene.fields}
-    }
+    carried = {each.name: columns.get(each.name, nothing) for each in scene.substances}
+    names = {"u", "v", "density", "pressure", *scene.fields} - carried.keys()
+    known: dict[str, Any] = {**{name: columns.get(name, nothing) for name in names}, "substances": carried or None}
     exact = {name: scene.exact(name, places[0], places[1], t) for name in scene.fields}
     bodies = Bodies.at(t, scene.bodies) if scene.bodies else None  # of whose forces the data say nothing
     snapshot = Snapshot(t=t, step=0, x=places[0], y=y, **known, reference=exact, bodies=bodies)

@@ -69,6 +69,9 @@ def in_config(frame: Frame, texts: Sequence[str] | None, labels: Any, path: Path
             raise ConfigError(f"--unit {text}: must look like length=cm, for one of {', '.join(POWERS)}")
         given[quantity] = _factor(quantity, unit, labels, f"--unit {text}")
     for name in (*frame.columns, "time"):
+        if name == "temperature":  # which nothing converts
+            factors[name] = 1.0
+            continue
         quantity, stated = QUANTITIES.get(name, "pressure"), frame.units.get(name)
         factors[name] = given.get(quantity, 1.0)
         if stated and quantity in given:
@@ -130,6 +133,7 @@ NAMES |= {
     "density": "density|(c_)?rho|rhop",
     "pressure": "pressure|p",
     "time": "t|time|timevalue",
+    "temperature": "temp|temperature",
     "step": "(time_?)?step",
 }
 NAMES |= {"r": "r|radius", "u_r": "[uv]_?r", "u_theta": "[uv]_?(theta|phi)"}

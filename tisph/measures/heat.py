@@ -6,6 +6,7 @@ difference of the two Nusselt numbers estimates their error.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -58,14 +59,29 @@ def integral(scene: FlowInBox, snapshot: Snapshot, values: Any) -> float:
     return scene.fluid_area * scene.mean(snapshot, values * around)
 
 
+def flow_quantities(scene: FlowInBox, names: Iterable[str]) -> list[str]:
+    """Return those of the ``names`` in a sample that are quantities of the flow of its substances, and no errors."""
+    amounts = ["heat" if each.name == TEMPERATURE else each.name for each in scene.substances]
+    starts = [f"{amount}_flow" for amount in amounts] + [f"{each.name}_mean" for each in scene.substances]
+    return [name for name in names if name.startswith(("nusselt_", *starts))]
+
+
+def substance_errors(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | None]:
+    """Return ``NAME_error`` = max |T - T_exact| over the scale of T, where the scene has an exact solution."""
+    exact, found = snapshot.reference or {}, {}
+    for each in scene.substances:
+        if each.name in exact and snapshot.substances:
+            found[f"{each.name}_error"] = np.abs(snapshot.field(each.name) - exact[each.name]).max() / each.scale
+    return found
+
+
 def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | None]:
     """Return the numbers of all substances of a flow in a ``snapshot``, by names that begin with the substance.
 
-    ``NAME_mean``, ``NAME_min``, ``NAME_max`` and, where the scene has an exact solution, ``NAME_error`` = max |T -
-    T_exact| over the scale of T. Of heat, or of a substance NAME: ``heat_flow_top`` from each wall into the fluid;
-    ``heat_gained``, the change of the content since the start, and ``heat_received`` through walls, from sources and
-    by heating. Of a dissolved substance ``NAME_variance`` and ``NAME_dissipation`` = 2 D mean |grad T|^2. Nusselt
-    numbers, where walls have different given temperatures.
+    ``NAME_mean``, ``NAME_min``, ``NAME_max``. Of heat, or of a substance NAME: ``heat_flow_top`` from each wall into
+    the fluid; ``heat_gained``, the change of the content since the start, and ``heat_received`` through walls, from
+    sources and by heating. Of a dissolved substance ``NAME_variance`` and ``NAME_dissipation`` = 2 D mean |grad T|^2.
+    Nusselt numbers, where walls have different given temperatures.
     """
     found: dict[str, float | None] = {}
     for number, each in enumerate(scene.substances if snapshot.substances else ()):
@@ -74,9 +90,6 @@ def substance_measures(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float 
         volume = integral(scene, snapshot, 1.0)
         average = integral(scene, snapshot, values) / volume
         found |= {f"{each.name}_mean": average, f"{each.name}_min": values.min(), f"{each.name}_max": values.max()}
-        exact = (snapshot.reference or {}).get(each.name)
-        if exact is not None:
-            found[f"{each.name}_error"] = np.abs(values - exact).max() / each.scale
         walls = walls_of(scene, each, snapshot.t)
         flows = None if snapshot.flows is None else snapshot.flows[number]
         found |= {f"{amount}_flow{wall.suffix}": None if flows is None else flows[wall.number] for wall in walls}
@@ -107,9 +120,9 @@ def _nusselt(
 ) -> dict[str, float | None]:
     """Return Nusselt numbers, reference length * flux/(k * largest difference of the given temperatures of walls).
 
-    ``excess`` (particles,): temperature less its mean.
-    ``nusselt_top`` by the mean flux of each wall with a given temperature. ``nusselt_sections`` by the mean flux
-    between two plane walls, without sources: 1 + mean (u T) distance/(kappa * difference) over the distance.
+    ``excess`` (particles,): temperature less its mean. ``nusselt_top`` by the mean flux of each wall with a given
+    temperature. ``nusselt_sections`` by the mean flux between two plane walls, without sources: 1 + mean (u T)
+    distance/(kappa * difference) over the distance.
     """
     held = [(wall, given) for wall in walls if len(given := wall.given(snapshot.t))]
     temperatures = np.concatenate([given for _, given in held]) if held else np.zeros(1)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tisph.measures.flow import FlowInBox
-from tisph.measures.heat import substance_measures
+from tisph.measures.heat import substance_errors, substance_measures
 from tisph.measures.resolution import load_scatters, resolution
 from tisph.measures.steadiness import followed, steadiness
 from tisph.snapshot import Snapshot
@@ -53,6 +53,7 @@ def sample_metrics(
         "rms": rms_error(scene, snapshot),
         "linf": None if squares is None else np.sqrt(np.max(squares)) / scene.reference_velocity,
         **({} if errors_alone else {**scene.diagnostics(snapshot, series), **load_scatters(scene, snapshot)}),
+        **substance_errors(scene, snapshot),
         **({} if errors_alone else substance_measures(scene, snapshot)),
         **({} if errors_alone or record is None else steadiness(scene, snapshot.t, record).numbers),
     }

@@ -38,6 +38,7 @@ from tisph.config.schema import Config
 from tisph.errors import ConfigError
 from tisph.folder import Folder
 from tisph.measures.fits import interpolated
+from tisph.measures.heat import flow_quantities
 from tisph.results import open_run
 from tisph.scenes._scene import Scene
 from tisph.simulation.recording import write_summary
@@ -176,7 +177,8 @@ def compare(results: Sequence[Result], configs: Sequence[Any]) -> dict[str, Any]
     samples = []
     sampled = zip(*(result.summary["samples"] for result in results), strict=True)
     for fields, numbers in zip(norms, sampled, strict=True):
-        values = {name: [each[name] for each in numbers] for name in compared[-1].flow_quantities}
+        judged = [*compared[-1].flow_quantities, *flow_quantities(compared[-1], numbers[-1])]
+        values = {name: [each[name] for each in numbers] for name in judged}
         values = {name: each for name, each in values.items() if None not in each}
         if len(configs) == 2:
             errors = {name: of_pair(spacings, each[0], expected) for name, each in fields.items()}
@@ -201,12 +203,13 @@ def field_norms(
         names["pressure"] = ("pressure",)
     if compared[0].polymer:
         names["polymer_stress"] = STRESSES
+    names |= {each.name: (each.name,) for each in compared[0].substances}
     coarsest = snapshots[0]
     weight = np.reshape(coarsest.weight, (-1, 1))
     points = np.stack([coarsest.x, coarsest.y], axis=1).astype(float)
     found = {}
     for name, parts in names.items():
-        values = [np.stack([getattr(each, part) for part in parts], axis=1).astype(float) for each in snapshots]
+        values = [np.stack([each.field(part) for part in parts], axis=1).astype(float) for each in snapshots]
         finer = zip(compared[1:], snapshots[1:], values[1:], strict=True)
         values = [values[0], *(_at(*each, points) for each in finer)]
         if name == "pressure":  # known up to a constant

@@ -31,6 +31,11 @@ class Wall:
     condition: Condition
     number: int
 
+    @property
+    def insulated(self) -> bool:
+        """Whether the wall lets nothing through."""
+        return self.condition.flux is not None and self.condition.flux.given == 0.0
+
     def given(self, t: float) -> np.ndarray:
         """Return the values that the condition gives at the points, none for a flux."""
         x, y = self.points.T
@@ -61,9 +66,12 @@ def integral(scene: FlowInBox, snapshot: Snapshot, values: Any) -> float:
 
 def flow_quantities(scene: FlowInBox, names: Iterable[str]) -> list[str]:
     """Return those of the ``names`` in a sample that are quantities of the flow of its substances, and no errors."""
-    amounts = ["heat" if each.name == TEMPERATURE else each.name for each in scene.substances]
-    starts = [f"{amount}_flow" for amount in amounts] + [f"{each.name}_mean" for each in scene.substances]
-    return [name for name in names if name.startswith(("nusselt_", *starts))]
+    found = []
+    for each in scene.substances:
+        amount = "heat" if each.name == TEMPERATURE else each.name
+        let_through = [wall for wall in walls_of(scene, each, scene.start_time) if not wall.insulated]
+        found += [f"{each.name}_mean", *(f"{amount}_flow{wall.suffix}" for wall in let_through)]
+    return [name for name in names if name in found or name.startswith("nusselt_")]
 
 
 def substance_errors(scene: FlowInBox, snapshot: Snapshot) -> dict[str, float | None]:
@@ -140,9 +148,7 @@ def _nusselt(
         1.0 + 1e-9
     )
     even = all(np.ptp(given) == 0.0 for _, given in held)
-    sources = (
-        each.heating or each.has_source or any(wall.condition.flux and wall.condition.flux.given for wall in walls)
-    )
+    sources = each.heating or each.has_source or any(wall.condition.flux and not wall.insulated for wall in walls)
     if plane and even and not (sources or scene.parallel or scene.axisymmetric or scene.flows_through):
         carried = scene.mean(snapshot, (snapshot.u, snapshot.v)[axis] * excess) * apart[axis]
         part = scene.reference_length / abs(apart[axis])

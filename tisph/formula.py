@@ -83,6 +83,11 @@ def evaluated(code: CodeType, functions: dict[str, Callable[..., Any]], lookup: 
     return eval(code, {"__builtins__": {}, **functions, "number": lookup})
 
 
+def names_in(formula: str) -> frozenset[str]:
+    """Return the names among x, y and t in the text of a ``formula`` of places and time."""
+    return compiled(formula, tuple(OF_PLACES))[1]
+
+
 @dataclass(frozen=True)
 class FieldFormula:
     """A number, or a formula of x, y and t as a text: the ``given`` value of a config."""
@@ -92,7 +97,7 @@ class FieldFormula:
     @property
     def varies(self) -> bool:
         """Whether the value depends on time."""
-        return isinstance(self.given, str) and "t" in compiled(self.given, tuple(OF_PLACES))[1]
+        return isinstance(self.given, str) and "t" in names_in(self.given)
 
     def __call__(self, x: np.ndarray, y: np.ndarray, t: float) -> np.ndarray:
         """Return the values (n,) at the places ``x``, ``y`` (n,) and the time ``t``."""

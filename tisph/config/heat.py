@@ -13,6 +13,7 @@ from tisph.config.base import Model, Positive, Signed
 from tisph.config.fields import either
 from tisph.config.formula import FieldValue
 from tisph.config.sections import Label, text_type
+from tisph.formula import names_in
 
 LARGEST_EXPONENT = 300.0
 """Largest exponent of a factor of the viscosity: beyond it the factor leaves the range of numbers."""
@@ -45,6 +46,13 @@ class Carried(Model):
     walls: Conditions = Field(default_factory=dict)
     bodies: Annotated[tuple[Condition, ...], Field(strict=False, max_length=100)] = ()
     inlet: FieldValue | None = None
+
+    @property
+    def varies_along(self) -> bool:
+        """Whether an initial value, a source or a condition depends on x."""
+        values: tuple[Any, ...] = (self.initial, self.source, self.inlet, *self.walls.values(), *self.bodies)
+        formulas = (getattr(value, "flux", value) for value in values)
+        return any(isinstance(each, str) and "x" in names_in(each) for each in formulas)
 
 
 class Scalar(Carried):

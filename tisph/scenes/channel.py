@@ -217,8 +217,9 @@ class Config(schema.Config):
 
     @property
     def parallel(self) -> bool:
-        """Whether all flow is along x."""
-        return not (self.bodies or self.ends or self.outlined)
+        """Whether all flow is along x, and nothing that the fluid carries varies along it."""
+        carried = (*self.scalars, *([self.temperature] if self.temperature else []))
+        return not (self.bodies or self.ends or self.outlined or any(each.varies_along for each in carried))
 
     @property
     def outlined(self) -> bool:

@@ -59,30 +59,37 @@ def _conditions(section: Carried, flow: Any) -> Iterator[Condition]:
             yield INSULATED if given is None else Condition(value=FieldFormula(given))
 
 
+def _samples(flow: Any, found: Substance, end: float) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield keys below a section, and values of their formulas at places in the fluid and on walls, at three times."""
+    low, size, start = np.array(flow.origin), np.array(flow.extent), flow.start_time
+    x, y = (low[axis] + size[axis] * np.linspace(0.0, 1.0, PLACES) for axis in (0, 1))
+    places = np.stack([each.ravel() for each in np.meshgrid(x, y)], axis=1)
+    x, y = places[flow.region.distance(places) >= 0.0].T
+    yield "initial", found.initial(x, y, start)
+    times = (start, 0.5 * (start + end), end)
+    yield "source", np.stack([found.source(x, y, t) for t in times])
+    keys, walls = condition_keys(flow), walls_of(flow, found, start)
+    for wall in walls:
+        formula: Any = wall.condition.value or wall.condition.flux
+        yield ".".join(keys[wall.number]), np.stack([formula(*wall.points.T, t) for t in times])
+    if flow.flows_through:
+        yield "inlet", np.stack([found.inlet(x, y, t) for t in times])
+
+
 def _size(flow: Any, found: Substance, end: float) -> float:
     """Return the range of initial values and conditions; fluxes and viscous heating add differences of their own."""
-    low, size = np.array(flow.origin), np.array(flow.extent)
-    x, y = (low[axis] + size[axis] * np.linspace(0.0, 1.0, PLACES) for axis in (0, 1))
-    x, y = (each.ravel() for each in np.meshgrid(x, y))
-    start = flow.start_time
-    values, more = [found.initial(x, y, start)], [0.0]
-    for condition in found.conditions:
-        for t in (start, 0.5 * (start + end), end):
-            if condition.value:
-                values.append(condition.value(x, y, t))
-            elif condition.flux:
-                per_length = np.abs(condition.flux(x, y, t)).max() / (found.capacity * found.diffusivity)
-                more.append(per_length * flow.reference_length)
-    if found.heating:
-        more.append(found.heating * flow.kinematic_viscosity * flow.velocity_scale**2 / found.diffusivity)
-    if found.has_source:
-        rate = max(np.abs(found.source(x, y, t)).max() for t in (start, end))
-        more.append(min(rate * (end - start), rate * flow.reference_length**2 / found.diffusivity))
-    with np.errstate(invalid="ignore"):
-        return max(float(max(map(np.max, values)) - min(map(np.min, values))), *map(float, more))
+    samples, length = dict(_samples(flow, found, end)), flow.reference_length
+    keys, rate = condition_keys(flow), float(np.abs(samples.pop("source")).max())
+    fluxes = [".".join(key) for key, each in zip(keys, found.conditions, strict=True) if each.flux]
+    per_length = [float(np.abs(samples.pop(key)).max()) for key in fluxes if key in samples]
+    more = [length * each / (found.capacity * found.diffusivity) for each in per_length]
+    more.append(found.heating * flow.kinematic_viscosity * flow.velocity_scale**2 / found.diffusivity)
+    more.append(rate * min(end - flow.start_time, length**2 / found.diffusivity))
+    values = np.concatenate([each.ravel() for each in samples.values()])
+    return max(float(np.ptp(values)), *more)
 
 
-def _substance(config: "Config", key: str, section: Any, flow: Any) -> Substance:
+def _substance(config: "Config", section: Any, flow: Any) -> Substance:
     """Return the substance that a ``section`` of a config describes."""
     effects: dict[str, Any] = {}
     name, unit, capacity = getattr(section, "name", TEMPERATURE), "", 1.0
@@ -94,7 +101,7 @@ def _substance(config: "Config", key: str, section: Any, flow: Any) -> Substance
     diffusivity = section.conductivity / capacity if isinstance(section, Temperature) else section.diffusivity
     inlet = section.initial if section.inlet is None else section.inlet
     effects |= {"initial": FieldFormula(section.initial), "source": FieldFormula(section.source)}
-    found = Substance(
+    return Substance(
         name=name,
         unit=unit,
         diffusivity=diffusivity,
@@ -104,7 +111,6 @@ def _substance(config: "Config", key: str, section: Any, flow: Any) -> Substance
         scale=1.0,
         **effects,
     )
-    return replace(found, scale=_size(flow, found, config.time.end) or 1.0)
 
 
 def _jumps(flow: Any, each: Substance) -> Iterator[int]:
@@ -124,7 +130,8 @@ def with_substances(flow: Any, config: "Config") -> Any:
     sections = carried(config)
     if not sections:
         return flow
-    found = tuple(_substance(config, key, section, flow) for key, section in sections.items())
+    found = tuple(_substance(config, section, flow) for section in sections.values())
+    found = tuple(replace(each, scale=_size(flow, each, config.time.end) or 1.0) for each in found)
     changes: dict[str, Any] = {"substances": tuple(replace(each, jumps=tuple(_jumps(flow, each))) for each in found)}
     if not (flow.given_velocity or flow.velocity_scale):
         length = flow.reference_length
@@ -147,7 +154,11 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
     if not any(config.problems()):
         flow = registry.load("scenes", config.scene).Scene.from_config(config)
         for key, section in sections.items():
-            yield from _condition_problems(key, section, flow)
+            wrong = list(_condition_problems(key, section, flow))
+            yield from wrong
+            for name, values in () if wrong else _samples(flow, _substance(config, section, flow), config.time.end):
+                if not np.isfinite(values).all():
+                    yield f"{key}.{name.partition('.')[0]}", "must be finite at all places and times of the flow"
     if config.temperature:
         yield from _temperature_problems(config, config.temperature)
     if config.parallel:

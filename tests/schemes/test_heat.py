@@ -121,6 +121,17 @@ def test_viscous_heating_between_cylinders():
     assert state.snapshot.flows[0] == pytest.approx(-2.0 * np.pi * np.array([1.6319622, 2 * 0.51735225]), rel=1e-4)
 
 
+def test_heat_received_by_friction_is_the_heat_of_the_fluid():
+    """In steady flow in a pipe u = g (R^2 - r^2)/4, T = g^2 (R^4 - r^4)/64 and its integral is pi g^2 length/96.
+
+    The error of the integral over time is at the start, where steps are short but few.
+    """
+    config = {**BASE, **PIPE, "drive": {"acceleration": 4.0}, "discretisation": {"particles_across": 10}}
+    heated = {**CONDUCTING, "viscous_heating": True, "walls": {"outer": 0.0}}
+    state, _, _ = at_end({**config, "temperature": heated}, 2.0)
+    assert state.snapshot.received[0] == pytest.approx(np.pi * 16.0 * 2.0 / 96.0, rel=1e-3)
+
+
 @pytest.mark.parametrize("nahme", [1.0, 5.0])
 def test_exponential_viscosity_heats_and_thins(nahme):
     """Nahme's closed form; with 12 particles across the error of T is 2e-5 at Na = 5, and has order 4."""

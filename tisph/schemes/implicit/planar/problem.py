@@ -40,7 +40,8 @@ class Problem(Box):
     * ``kinematic_viscosity`` of solvent and polymer together. ``rheology``: parameters of a fluid that is not
       Newtonian, else None. ``initial_conformation_excess``: function of x, y that returns the conformation tensors
       minus 1 of its modes; None for a start from rest.
-    * ``substances``: temperature and dissolved substances.
+    * ``substances``: temperature and dissolved substances. ``mean``: function that returns the mean over the fluid of
+      values at particles with x, y and weight (``FlowInBox.mean``); None for the mean of the particles.
     * ``spacing_sources``, ``growth``: of the spacing that is wanted at each place, at most ``spacing``.
     * ``reference_velocity``: velocity that errors and steps refer to, in the frame of the mean flow.
     * ``walls``: None without any; the box extends beyond walls by more than the support of operators. ``corners``
@@ -73,6 +74,7 @@ class Problem(Box):
     corners: tuple = ()
     rheology: Any = None
     substances: tuple[Substance, ...] = ()
+    mean: Callable[..., float] | None = None
     initial_conformation_excess: Callable[..., Any] | None = None
     initial_velocity: Callable[..., Any] | None = None
     has_own_start: bool = False
@@ -205,6 +207,7 @@ def problem_of(scene: FlowInBox) -> Problem:
         corners=scene.corners,
         rheology=scene.rheology,
         substances=scene.substances,
+        mean=scene.mean,
         initial_conformation_excess=scene.initial_conformation_excess,
         initial_velocity=scene.initial_velocity,
         has_own_start=scene.has_own_start,

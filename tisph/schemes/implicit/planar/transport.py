@@ -16,6 +16,7 @@ velocities when a step begins, and found anew from each outer iteration's veloci
 """
 
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -327,6 +328,18 @@ class CarriedSubstances(Transport):
             ]
         )
 
+    def integral(self, rate: np.ndarray) -> float:
+        """Return the integral of a ``rate`` (particles,) over the fluid, as samples have it (``Scene.mean``)."""
+        if not rate.any():
+            return 0.0
+        fluid, mean = self.points.in_fluid, self.problem.mean
+        areas = np.broadcast_to(self.points.areas, fluid)
+        x, y = (part[:fluid] for part in self.places)
+        seen = SimpleNamespace(x=x, y=y, weight=areas / areas.mean())
+        rate = rate * self.problem.circumferences(view(self.points.position)[:fluid, 1])
+        whole = self.problem.spacing**2 * float(areas.sum())
+        return whole * (mean(seen, rate) if mean else float(np.average(rate, weights=areas)))
+
     def store(self, time: float, dts: Sequence[float]) -> None:
         """Store the T of the step that ends at ``time``, and what it has received."""
         stored = self.stored
@@ -334,9 +347,7 @@ class CarriedSubstances(Transport):
         stored[:, :, 0] = self.present.T
         self.measure()
         self.flows = [self.flow(), *self.flows][:FLOW_LEVELS]
-        areas = self.problem.spacing**2 * np.broadcast_to(self.points.areas, self.points.in_fluid)
-        areas = areas * self.problem.circumferences(view(self.points.position)[: self.points.in_fluid, 1])
-        made = [each.capacity * (areas @ rate) for each, rate in zip(self.substances, self.made, strict=True)]
+        made = [each.capacity * self.integral(rate) for each, rate in zip(self.substances, self.made, strict=True)]
         self.rates = [self.flows[0].sum(axis=1) + np.array(made), *self.rates][:VELOCITIES]
         steps = [0.0, *dts][: len(self.rates)]
         weights = TimeWeights(steps, dts[0]).integral(dts[0]) if len(steps) > 1 else np.array([dts[0]])

@@ -225,7 +225,9 @@ class ImplicitLayers:
     def __init__(self, config: Config, channel: Channel, control: StepControl) -> None:
         self.channel, self.control = channel, control
         self.walls = wall_pair_of(config, channel)
-        self.operators = LayerOperators(channel, config.scheme.operators.order, self.walls.even_reflection)
+        self.operators = LayerOperators(
+            channel, config.scheme.operators.order, self.walls.even_reflection, channel.solvent_viscosity
+        )
         self.heights = self.operators.heights
         self.step = ImplicitStep(self, self.operators, self.walls, channel)
         self.time, self.steps, self.longest, self.steepest = channel.start_time, 0, 0.0, 0.0
@@ -314,13 +316,14 @@ class ImplicitLayers:
 class LayerOperators(ClosedOperators):
     """``ClosedOperators`` of an ``order`` on layers at ``heights``."""
 
-    def __init__(self, channel: Channel, order: int, even_reflection: tuple[bool, ...]) -> None:
+    def __init__(self, channel: Channel, order: int, even_reflection: Sequence[bool], diffusivity: float) -> None:
+        self.channel, self.order, self.diffusivity = channel, order, diffusivity
         rows, spacing = channel.rows, channel.spacing
         laplacian, gradient = least_squares(order)
         self.even_reflection = even_reflection
         self.signs = [-1.0 if even else 1.0 for even in even_reflection]
         self.images = len(laplacian) // 2
-        self.gap, self.spacing, self.viscosity = channel.gap, spacing, channel.solvent_viscosity
+        self.gap, self.spacing = channel.gap, spacing
         self.heights = (np.arange(rows) + 0.5) * spacing
         self.depths = (np.arange(self.images) + 0.5) * spacing
         self.radius = (self.images + 1) * spacing
@@ -329,6 +332,10 @@ class LayerOperators(ClosedOperators):
             (operator, parity): self._closed(operator, parity) for operator in self.parts for parity in (-1.0, 1.0)
         }
         self.inverted: float | None = None
+
+    def of_field(self, even: Sequence[bool], diffusivity: float) -> "LayerOperators":
+        """Return the operators of another field; see ``ClosedOperators.of_field``."""
+        return LayerOperators(self.channel, self.order, even, diffusivity)
 
     def _parts(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the matrices of an operator on the images below, on the layers, and on the images above.
@@ -371,7 +378,7 @@ class LayerOperators(ClosedOperators):
         self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
     ) -> np.ndarray | None:
         """Solve (1 - g nu_s A - g D T D) x = ``right`` directly; None where numbers are not finite."""
-        coefficient = gamma_dt * self.viscosity
+        coefficient = gamma_dt * self.diffusivity
         matrix = np.eye(len(right)) - coefficient * self.closed["laplacian", -1.0]
         if tangent is None:
             if coefficient != self.inverted:  # all stages of a step have the same

@@ -12,7 +12,7 @@ w. In ``virtual_image`` the ghosts stay on the lattice and u_F is interpolated a
 least-squares fit of c0 + c1 x + c2 y + c3 x^2 + c4 x y + c5 y^2 to the fluid particles around it (F. Bierbrauer,
 "No-Slip Boundary Conditions in Smoothed Particle Hydrodynamics", slides 4 and 6, second way, whose fit is linear; the
 Laplacian of fourth order needs the curvature). At a massless stress-controlled wall the slope of the velocity is known
-and the even terms cancel: ``even_reflection``, see ``stress_controlled.py``. The series then has odd powers.
+and the even terms cancel: an even reflection, see ``stress_controlled.py``. The series then has odd powers.
 
 Ghosts are few: except for the values that each iteration of a solver needs, NumPy computes all of them at once.
 
@@ -61,7 +61,7 @@ class Ghosts:
     ``side``: 0 bottom, 1 top. ``count``: number of ghosts. ``near``: indices of the particles within ``cutoff`` of a
     wall, which have ghosts among their neighbours; ``offset`` (2, near): their distance from each wall. ``listed``: all
     ghosts in the neighbour lists of ``near``, one list after another; ``row``: index in ``near`` of the particle of
-    each. ``even_reflection``: whether the (bottom, top) wall reflects velocities evenly, else oddly.
+    each. ``Reflection`` gives them values.
     """
 
     mirrors = False
@@ -70,11 +70,10 @@ class Ghosts:
     source: Any
     """Field of the particle that each ghost mirrors; only of mirror images."""
 
-    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
-        self.points, self.gap, self.cutoff, self.even_reflection = points, channel.gap, cutoff, even_reflection
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float) -> None:
+        self.points, self.gap, self.cutoff = points, channel.gap, cutoff
         self.count, self.needed = points.ghosts, 0
         self.side, self.depth = np.empty(0, dtype=np.int64), np.empty(0)
-        self.series = np.zeros((2, 3))
 
     def find(self) -> None:
         """Place the ghosts for the present positions of the particles, before neighbours are listed."""
@@ -114,42 +113,49 @@ class Ghosts:
         """Return the number of ghosts if there was no space for them, else 0."""
         return self.needed if self.needed > self.points.ghost_capacity else 0
 
-    def prescribe(self, bottom: Series, top: Series) -> None:
-        """Set the ``Series`` of both walls."""
-        self.series[...] = bottom, top
-
-    def boundary_values(self) -> np.ndarray:
-        """Return the value of the series of its wall at each ghost."""
-        constant, second, fourth = self.series[self.side].T
-        square = self.depth * self.depth
-        values = constant + square * (second + square * fourth)
-        return np.where(self.sign() < 0.0, self.depth * values, values) if any(self.even_reflection) else values
-
     def source_values(self, values: np.ndarray) -> np.ndarray:
         """Return the values of the ghosts' sources, of an array over the slots."""
         raise NotImplementedError
 
-    def series_slope(self) -> np.ndarray:
-        """Return the derivative across the channel of the series at each ghost."""
-        constant, second, fourth = self.series[self.side].T
-        square = self.depth * self.depth
-        outwards = 2.0 * self.depth * (second + 2.0 * square * fourth)
-        if any(self.even_reflection):
-            odd = constant + square * (3.0 * second + 5.0 * square * fourth)
-            outwards = np.where(self.sign() < 0.0, odd, outwards)
-        return np.where(self.side == 1, outwards, -outwards)
+
+class Reflection:
+    """Values of a field at the ``ghosts``: a sign times the value of the source, and a ``Series`` in the depth.
+
+    ``even``: whether the (bottom, top) wall reflects the field evenly, else oddly.
+    """
+
+    def __init__(self, ghosts: Ghosts, even: Sequence[bool]) -> None:
+        self.ghosts, self.even = ghosts, tuple(even)
 
     def sign(self) -> np.ndarray:
         """Return 1 for each ghost, -1 beyond a wall with even reflection."""
-        return np.where(np.array(self.even_reflection)[self.side], -1.0, 1.0)
+        return np.where(np.array(self.even)[self.ghosts.side], -1.0, 1.0)
+
+    def boundary_values(self, series: Any) -> np.ndarray:
+        """Return the value at each ghost of its wall's ``series`` (2, 3)."""
+        constant, second, fourth = np.asarray(series)[self.ghosts.side].T
+        square = self.ghosts.depth * self.ghosts.depth
+        values = constant + square * (second + square * fourth)
+        return np.where(self.sign() < 0.0, self.ghosts.depth * values, values) if any(self.even) else values
+
+    def series_slope(self, series: Any) -> np.ndarray:
+        """Return the derivative across the channel of the ``series`` at each ghost."""
+        constant, second, fourth = np.asarray(series)[self.ghosts.side].T
+        depth = self.ghosts.depth
+        square = depth * depth
+        outwards = 2.0 * depth * (second + 2.0 * square * fourth)
+        if any(self.even):
+            odd = constant + square * (3.0 * second + 5.0 * square * fourth)
+            outwards = np.where(self.sign() < 0.0, odd, outwards)
+        return np.where(self.ghosts.side == 1, outwards, -outwards)
 
 
 @ti.data_oriented
 class MirrorGhosts(Ghosts):
     """Mirror images: ghost k is the image of particle ``source[k]``."""
 
-    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
-        super().__init__(points, channel, cutoff, even_reflection)
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float) -> None:
+        super().__init__(points, channel, cutoff)
         self.source = ti.field(ti.i32, shape=points.ghost_slots)
 
     @staticmethod
@@ -194,8 +200,8 @@ class FixedGhosts(Ghosts):
 
     mirrors = True
 
-    def __init__(self, points: PointCloud, channel: Channel, cutoff: float, even_reflection: tuple[bool, ...]) -> None:
-        super().__init__(points, channel, cutoff, even_reflection)
+    def __init__(self, points: PointCloud, channel: Channel, cutoff: float) -> None:
+        super().__init__(points, channel, cutoff)
         self.share = ti.field(real(), shape=points.entries)
         self.radius = scalar(cutoff)
         self.vector, self.matrix = ti.types.vector(UNKNOWNS, real()), ti.types.matrix(UNKNOWNS, UNKNOWNS, real())
@@ -288,18 +294,30 @@ class FixedGhosts(Ghosts):
 
 @ti.data_oriented
 class ClosedParticleOperators(ClosedOperators):
-    """``ClosedOperators`` on the particles of a ``channel``; arrays are (fluid,).
+    """``ClosedOperators`` on the particles of a ``channel`` for a field with this ``reflection``; arrays are (fluid,).
 
     ``coupled``: whether there is an extra stress.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel, coupled: bool) -> None:
-        self.operators, self.ghosts, self.points = operators, ghosts, operators.points
-        self.viscosity, self.coupled = channel.solvent_viscosity, coupled
-        self.solver: Any = (CoupledSolver if coupled else ViscousSolver)(operators, ghosts, channel)
+    def __init__(
+        self,
+        operators: LeastSquaresOperators,
+        reflection: Reflection,
+        channel: Channel,
+        coupled: bool,
+        diffusivity: float,
+    ) -> None:
+        self.operators, self.ghosts, self.points = operators, reflection.ghosts, operators.points
+        self.reflection, self.channel, self.diffusivity = reflection, channel, diffusivity
+        self.coupled = coupled
+        self.solver: Any = (CoupledSolver if coupled else ViscousSolver)(operators, reflection, channel)
         self.values, self.found = ti.field(real(), self.points.slots + 1), self.points.field(real())
         self.both = ti.field(ti.types.vector(2, real()), self.points.capacity)
         self.fluid = slice(self.points.fluid)
+
+    def of_field(self, even: Sequence[bool], diffusivity: float) -> "ClosedParticleOperators":
+        """Return the operators of another field; see ``ClosedOperators.of_field``."""
+        return ClosedParticleOperators(self.operators, Reflection(self.ghosts, even), self.channel, False, diffusivity)
 
     def prepare(self) -> None:
         """Prepare linear systems with the assembled operators."""
@@ -308,7 +326,7 @@ class ClosedParticleOperators(ClosedOperators):
 
     def derivative(self, operator: str, values: np.ndarray, parity: float) -> np.ndarray:
         """Return an operator of ``values``, see ``ClosedOperators.derivative``."""
-        self.close(values, parity * self.ghosts.sign())
+        self.close(values, parity * self.reflection.sign())
         self.apply(getattr(self.operators, operator))
         return view(self.found)[self.fluid].astype(float)
 
@@ -321,6 +339,13 @@ class ClosedParticleOperators(ClosedOperators):
         ghosts += boundary
         self.apply_both()
         return view(self.both)[self.fluid]
+
+    def derivatives(self, values: np.ndarray, series: Sequence[Series], slope: Any, curvature: Any) -> None:
+        """Set ``slope`` (fluid, 2), the gradient of ``values``, and ``curvature`` (fluid, 3): d_xx, d_xy and d_yy."""
+        reflection, sign = self.reflection, self.reflection.sign()
+        slope[...] = self.full_gradient(values, -sign, reflection.boundary_values(series))
+        curvature[:, :2] = self.full_gradient(slope[:, 0], -sign, 0.0)
+        curvature[:, 2] = self.full_gradient(slope[:, 1], sign, reflection.series_slope(series))[:, 1]
 
     def close(self, values: np.ndarray, parity: np.ndarray) -> np.ndarray:
         """Store ``values`` and ``parity`` (ghosts,) times them for the ghosts; return the ghosts' part, in place."""
@@ -350,8 +375,7 @@ class ClosedParticleOperators(ClosedOperators):
 
     def boundary(self, operator: str, series: Sequence[Series]) -> np.ndarray:
         """Return the part of an operator from the ``series`` of the images beyond both walls."""
-        self.ghosts.prescribe(*series)
-        return self.from_images(operator, self.ghosts.boundary_values())
+        return self.from_images(operator, self.reflection.boundary_values(series))
 
     def boundary_stress(self, side: int, slope: Any, third: Any) -> np.ndarray:
         """Return the part of d/dy of the stress from its derivatives at a wall, see ``stress_excess``."""
@@ -359,7 +383,7 @@ class ClosedParticleOperators(ClosedOperators):
 
     def image_stress(self, side: int, slope: float, third: float) -> np.ndarray:
         """Return the ``stress_excess`` of each image beyond the wall ``side``, 0 beyond the other (ghosts,)."""
-        excess = stress_excess(self.ghosts.depth, side, self.ghosts.even_reflection[side], slope, third)
+        excess = stress_excess(self.ghosts.depth, side, self.reflection.even[side], slope, third)
         return np.where(self.ghosts.side == side, excess, 0.0)
 
     def from_images(self, operator: str, values: np.ndarray) -> np.ndarray:
@@ -372,7 +396,7 @@ class ClosedParticleOperators(ClosedOperators):
         self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
     ) -> np.ndarray | None:
         """Solve (1 - g nu_s A - g D T D) x = ``right``, see ``ClosedOperators.solve``."""
-        solver, coefficient = self.solver, gamma_dt * self.viscosity
+        solver, coefficient = self.solver, gamma_dt * self.diffusivity
         view(solver.x)[self.fluid], view(solver.b)[self.fluid] = guess, right
         if tangent is None:
             solved = solver.solve(coefficient, tolerance)
@@ -386,18 +410,50 @@ class ClosedParticleOperators(ClosedOperators):
 
 
 @ti.data_oriented
-class ViscousSolver(BiCGStab):
-    """Solver of (1 - c A) x = b in a ``channel``, where x has odd reflections.
+class ReflectingSolver(BiCGStab):
+    """A ``BiCGStab`` for a field with a ``reflection`` between the walls of a ``channel``."""
+
+    def __init__(self, operators: LeastSquaresOperators, reflection: Reflection, channel: Channel) -> None:
+        super().__init__(operators, reflection.ghosts)
+        self.mixed, self.middle = any(reflection.even), scalar(channel.gap / 2.0)
+        self.signs = holding(ti.field(real(), 2), [-1.0 if even else 1.0 for even in reflection.even])
+
+    @ti.func
+    def sign(self, k):
+        """Return 1, or -1 for a ghost beyond a wall with even reflection."""
+        sign = ti.cast(1.0, self.signs.dtype)
+        if ti.static(self.mixed):
+            upper = ti.cast(self.points.position[self.points.capacity + k].y > self.middle[None], ti.i32)
+            sign = self.signs[upper]
+        return sign
+
+    @ti.func
+    def reflect(self, values, k):
+        """Set the value of ghost ``k``."""
+        values[self.points.capacity + k] = -self.sign(k) * self.ghosts.value(values, k)
+
+    @ti.func
+    def update_ghosts(self, values: ti.template(), particles):
+        """Reflect ``values``."""
+        ti.loop_config(serialize=True)
+        for k in range(self.ghosts.count[None]):
+            self.reflect(values, k)
+
+
+@ti.data_oriented
+class ViscousSolver(ReflectingSolver):
+    """Solver of (1 - c A) x = b in a ``channel``.
 
     ``two_level``: the preconditioner of two levels, made for the first system that needs it. Few particles use Jacobi:
     the kernels of two levels take as long to compile as they save in a whole run.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel) -> None:
-        super().__init__(operators, ghosts)
+    def __init__(self, operators: LeastSquaresOperators, reflection: Reflection, channel: Channel) -> None:
+        super().__init__(operators, reflection, channel)
         self.channel = channel
         self.two_level: Any = None
-        self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=False)
+        mirrors = reflection.ghosts.mirrors
+        self.coarse = None if mirrors else LayerCoarseSpace(operators, reflection, channel, coupled=False)
         self.roughest = ROUGH * channel.spacing**2
 
     def solve(self, coefficient: float, tolerance: float) -> bool:  # type: ignore[override]
@@ -415,36 +471,20 @@ class ViscousSolver(BiCGStab):
 
 
 @ti.data_oriented
-class CoupledSolver(BiCGStab):
+class CoupledSolver(ReflectingSolver):
     """Solver of (1 - c A - D t D) x = b; ``tangent_stress`` (slots + 1) is t D x.
 
     Both derivatives D use the rows of the same least-squares operators as the stages, so the solver solves the discrete
     equation of the scheme. Images of D x and of the stress are even where images of x are odd, and odd beyond a wall
-    with ``even_reflection``.
+    with even reflection.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel) -> None:
-        super().__init__(operators, ghosts)
-        self.coarse = None if ghosts.mirrors else LayerCoarseSpace(operators, ghosts, channel, coupled=True)
+    def __init__(self, operators: LeastSquaresOperators, reflection: Reflection, channel: Channel) -> None:
+        super().__init__(operators, reflection, channel)
+        mirrors = reflection.ghosts.mirrors
+        self.coarse = None if mirrors else LayerCoarseSpace(operators, reflection, channel, coupled=True)
         self.tangent, self.tangent_stress = self.points.field(real()), ti.field(real(), self.points.slots + 1)
         self.fluid = slice(self.points.fluid)
-        self.mixed, self.middle = any(ghosts.even_reflection), scalar(channel.gap / 2.0)
-        signs = [-1.0 if even else 1.0 for even in ghosts.even_reflection]
-        self.signs = holding(ti.field(real(), 2), signs)
-
-    @ti.func
-    def sign(self, k):
-        """Return 1, or -1 for a ghost beyond a wall with even reflection."""
-        sign = ti.cast(1.0, self.signs.dtype)
-        if ti.static(self.mixed):
-            upper = ti.cast(self.points.position[self.points.capacity + k].y > self.middle[None], ti.i32)
-            sign = self.signs[upper]
-        return sign
-
-    @ti.func
-    def reflect(self, values, k):
-        """Set the value of ghost ``k``."""
-        values[self.points.capacity + k] = -self.sign(k) * self.ghosts.value(values, k)
 
     @ti.func
     def update_ghosts(self, values: ti.template(), particles):
@@ -494,8 +534,11 @@ class LayerCoarseSpace:
     have a tangent.
     """
 
-    def __init__(self, operators: LeastSquaresOperators, ghosts: Ghosts, channel: Channel, coupled: bool) -> None:
-        self.operators, self.points, self.ghosts, self.coupled = operators, operators.points, ghosts, coupled
+    def __init__(
+        self, operators: LeastSquaresOperators, reflection: Reflection, channel: Channel, coupled: bool
+    ) -> None:
+        self.operators, self.points, self.ghosts = operators, operators.points, reflection.ghosts
+        self.reflection, self.coupled = reflection, coupled
         self.spacing, self.number = channel.spacing, channel.rows
         self.layers_identical = False
         self.inverted: float | None = None
@@ -533,7 +576,7 @@ class LayerCoarseSpace:
         table = view(self.points.neighbours)[self.entries]
         signs = np.ones(self.points.slots + 1)
         ghosts = self.ghosts.part(signs)
-        ghosts[...] = self.ghosts.sign()
+        ghosts[...] = self.reflection.sign()
         self.others, self.even = source[table], signs[table]
         self.odd = np.where(table >= self.points.capacity, -self.even, self.even)
 

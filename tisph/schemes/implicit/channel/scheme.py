@@ -30,7 +30,13 @@ from tisph.scenes._channel import Channel
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import momentum_terms
 from tisph.schemes._step_control import StepControl
-from tisph.schemes.implicit.channel.operators import ClosedParticleOperators, FixedGhosts, Ghosts, MirrorGhosts
+from tisph.schemes.implicit.channel.operators import (
+    ClosedParticleOperators,
+    FixedGhosts,
+    Ghosts,
+    MirrorGhosts,
+    Reflection,
+)
 from tisph.schemes.implicit.channel.stages import EMBEDDED_ORDER, B, C, FlowState, weighted
 from tisph.schemes.implicit.channel.step import SOLVER_TOLERANCE, WORST, ImplicitStep, NoExtraStress
 from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
@@ -62,10 +68,13 @@ class ChannelScheme(ControlledScheme):
         self.walls = wall_pair_of(config, channel)
         capacity = kind.ghost_capacity(channel, cutoff)
         self.points = PointCloud(channel, self.domain, cutoff, capacity, serial, kind.mirrors)
-        self.ghosts = kind(self.points, channel, cutoff, self.walls.even_reflection)
+        self.ghosts = kind(self.points, channel, cutoff)
         self.operators = LeastSquaresOperators(self.points, SUPPORT[order] * channel.spacing, order)
         self.model = self.walls.model
-        self.closed = ClosedParticleOperators(self.operators, self.ghosts, channel, self.walls.coupled)
+        reflection = Reflection(self.ghosts, self.walls.even_reflection)
+        self.closed = ClosedParticleOperators(
+            self.operators, reflection, channel, self.walls.coupled, channel.solvent_viscosity
+        )
         self.particles = Particles(self.operators, self.ghosts, self.closed, channel, self.model.components)
         self.step = ImplicitStep(self.particles, self.closed, self.walls, channel)
         self.extra_stress = self.step.extra_stress
@@ -329,12 +338,8 @@ class Particles:
 
     def measure(self, velocity: np.ndarray, walls: WallPair) -> None:
         """Compute the derivatives of a ``velocity`` (fluid,) at the end of the step."""
-        ghosts, slope, curvature = self.ghosts, view(self.slope)[self.fluid], view(self.curvature)[self.fluid]
-        ghosts.prescribe(*walls.series(-1))
-        sign = ghosts.sign()
-        slope[...] = self.closed.full_gradient(velocity, -sign, ghosts.boundary_values())
-        curvature[:, :2] = self.closed.full_gradient(slope[:, 0], -sign, 0.0)
-        curvature[:, 2] = self.closed.full_gradient(slope[:, 1], sign, ghosts.series_slope())[:, 1]
+        slope, curvature = view(self.slope)[self.fluid], view(self.curvature)[self.fluid]
+        self.closed.derivatives(velocity, walls.series(-1), slope, curvature)
         self.steepest = math.sqrt(np.einsum("nk,nk->n", slope, slope).max())
 
     @ti.kernel
@@ -411,11 +416,11 @@ class WallForce:
         """
         ghosts, stress = self.ghosts, self.extra.mean_stress(flows)
         series, stress_series = self.walls.mean_series()
-        ghosts.prescribe(*series)
+        reflection = self.closed.reflection
         mean = np.zeros(ghosts.points.slots + 1)
         mean[: ghosts.points.fluid] = weighted(B, [flow.velocity for flow in flows])
         beyond = ghosts.part(mean)
-        beyond[...] = ghosts.boundary_values() - ghosts.source_values(mean)
+        beyond[...] = reflection.boundary_values(series) - ghosts.source_values(mean)
         if resolved:
             fitted = zip(self.walls, self.fitted_stresses(mean, stress, time, dt), strict=True)
             forces = [-wall.normal_sign * self.area * at_wall for wall, at_wall in fitted]
@@ -456,7 +461,7 @@ class WallForce:
         if stress is None:
             return viscous
         more = sum(self.closed.image_stress(side, *stress_series[side]) for side in range(2))
-        images = self.closed.close(stress, ghosts.sign()) + more
+        images = self.closed.close(stress, self.closed.reflection.sign()) + more
         # first derivatives are odd: pairs of particles cancel except for the sum over the images
         both = images[ghosts.listed] + stress[ghosts.near[ghosts.row]]
         return viscous + ghosts.sums(self.operators.d_dy, both)[1]

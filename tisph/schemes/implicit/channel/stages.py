@@ -70,6 +70,13 @@ class ClosedOperators:
     distance from the wall, with three coefficients for each wall (``series``, (2, 3), see ``PrescribedWall``).
     """
 
+    diffusivity: float
+    """Factor of A in the linear systems: the solvent viscosity, or the diffusivity of another field."""
+
+    def of_field(self, even: Sequence[bool], diffusivity: float) -> "ClosedOperators":
+        """Return the operators of another field, which the (bottom, top) wall reflects evenly or oddly."""
+        raise NotImplementedError
+
     def laplacian(self, values: np.ndarray) -> np.ndarray:
         """Return A of velocities, without the boundary values of their images."""
         return self.derivative("laplacian", values, -1.0)
@@ -128,7 +135,7 @@ class ClosedOperators:
     def solve(
         self, gamma_dt: float, tangent: np.ndarray | None, right: np.ndarray, guess: np.ndarray, tolerance: float
     ) -> np.ndarray | None:
-        """Solve (1 - g nu_s A - g D T D) x = ``right`` with g = ``gamma_dt`` and T = ``tangent`` (None: 0).
+        """Solve (1 - g ``diffusivity`` A - g D T D) x = ``right`` with g = ``gamma_dt`` and T = ``tangent`` (None: 0).
 
         Return x, from ``guess`` on solved to a residual of ``tolerance`` over |right|; None where that fails.
         """

@@ -234,10 +234,11 @@ class ImplicitLayers:
         self.half_way = self.time
         self.dt, self.last_dt, self.unknown, self.steady = 0.0, 0.0, False, False
         velocity, state = channel.initial_velocity(self.heights), self.walls.model.initial(channel, self.heights)
-        self.flow = FlowState(velocity.astype(float), state, np.zeros_like(self.heights))
+        carried = self.step.substances.initial(self.heights)
+        self.flow = FlowState(velocity.astype(float), state, np.zeros_like(self.heights), substances=carried)
         self.end: FlowState | None = None
         self.walls.start()
-        if self.walls.obeys_momentum and self.walls.any_jump:
+        if (self.walls.obeys_momentum and self.walls.any_jump) or self.step.substances.jumping:
             self._apply_impulse()
 
     def assemble(self, dt: float, shift: bool) -> FlowState:
@@ -275,8 +276,12 @@ class ImplicitLayers:
         return math.ceil(np.mean([left / min(dt, self.control.limit(gradient)) for gradient in steepest]))
 
     def _apply_impulse(self) -> None:
-        near = self.step.extra_stress.wall_values(self.flow)
+        near, substances = self.step.extra_stress.wall_values(self.flow), self.step.substances
+        substances.start(self.time)
+        substances.begin(self.flow, self.time, self.control.dt_next)
+        self.walls.set_effects(substances.effects())
         self.walls.apply_impulse(self.flow, self.time, self.operators, near)
+        substances.apply_impulse(self.flow)
 
     def _advance(self) -> None:
         control = self.control
@@ -290,10 +295,10 @@ class ImplicitLayers:
         change = np.abs(end.velocity - self.flow.velocity).max()
         last_change = not any(time > self.time for time in control.jump_times)
         unchanged = last_change and change <= STEADY * np.abs(end.velocity).max()
-        self.steady = self.walls.steady and unchanged and dt <= 1.01 * self.last_dt
+        self.steady = self.walls.steady and not self.channel.substances and unchanged and dt <= 1.01 * self.last_dt
         self.last_dt = dt
         self.flow = end
-        self.walls.conclude()
+        self.step.conclude()
         self.time = control.end(self.time, dt)
         self.steps += 1
         if self.steps == MOST_STEPS // 2:
@@ -336,6 +341,10 @@ class LayerOperators(ClosedOperators):
     def of_field(self, even: Sequence[bool], diffusivity: float) -> "LayerOperators":
         """Return the operators of another field; see ``ClosedOperators.of_field``."""
         return LayerOperators(self.channel, self.order, even, diffusivity)
+
+    def point_heights(self) -> np.ndarray:
+        """Return the heights of the layers."""
+        return self.heights
 
     def _parts(self, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the matrices of an operator on the images below, on the layers, and on the images above.

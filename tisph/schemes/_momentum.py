@@ -44,15 +44,17 @@ class MomentumBalance:
 
 
 def momentum_terms(
-    channel: ChannelFlow, time: float, velocity_change: float, impulses: Sequence[float]
+    channel: ChannelFlow, time: float, velocity_change: float, impulses: Sequence[float], pull: float = 0.0
 ) -> dict[str, float | None]:
     """Return the balance of momentum along x up to ``time`` in the units of the config, per length out of the plane.
 
     ``velocity_change``: of the sum of velocities over the particles; ``impulses``: velocity gained from the (bottom,
-    top) wall, likewise. ``closure`` is the imbalance over the largest of the terms; None where all are 0.
+    top) wall, likewise; ``pull``: from the acceleration by the temperature, which is part of ``drive``. ``closure`` is
+    the imbalance over the largest of the terms; None where all are 0.
     """
     particle_mass = channel.density * channel.spacing**2
     drive = channel.density * channel.gap * channel.length * channel.acceleration * (time - channel.start_time)
+    drive += particle_mass * pull
     terms = {
         "change": particle_mass * velocity_change,
         "drive": drive,

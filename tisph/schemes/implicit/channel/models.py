@@ -90,6 +90,10 @@ class ViscoelasticModel(Modes):
             stretching[part][1] = 1.0 + state[part][2]
         return decay, stretching, stress, 0.0
 
+    def by_factor(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, float]:
+        """Return the derivatives of F and S_xy by a factor of viscosities, which there is none of."""
+        return np.zeros(self.components), 0.0
+
     def indefinite(self, state: np.ndarray) -> np.ndarray:
         """Return the indices of particles whose conformation tensor is not positive definite."""
         found = np.zeros(state.shape[1], dtype=bool)
@@ -146,6 +150,10 @@ class InelasticModel(NewtonianModel):
         nothing = np.zeros(0)
         return np.zeros((0, 0)), nothing, nothing, float(self._tangent(shear_rate))
 
+    def by_factor(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, float]:
+        """Return the derivatives by a factor of viscosities; see ``ViscoelasticModel.by_factor``."""
+        return np.zeros(0), 0.0
+
     def apply_shear(self, state: np.ndarray, strain: np.ndarray) -> None:
         """Change nothing: there are no states."""
 
@@ -153,8 +161,69 @@ class InelasticModel(NewtonianModel):
         return np.imag(self.shear_stress(None, shear_rate + 1j * SMALL)) / SMALL
 
 
-StressModel = ViscoelasticModel | InelasticModel
+class ThermalModel:
+    """Response of a ``base`` model where a ``factor`` a (n,) multiplies viscosities and relaxation times; moduli stay.
+
+    With the ``viscosity`` nu_s of the base,
+
+        S(C, u_y) = S_1(C, a u_y) + (a - 1) nu_s u_y,    F(C, u_y) = F_1(C, a u_y)/a.
+    """
+
+    def __init__(self, base: "ViscoelasticModel | InelasticModel", viscosity: float, factor: Any) -> None:
+        self.base, self.viscosity, self.factor = base, viscosity, factor
+
+    def shear_stress(self, state: np.ndarray, shear_rate: Any) -> Any:
+        """Return S_xy."""
+        thermal = (self.factor - 1.0) * self.viscosity * shear_rate
+        return self.base.shear_stress(state, self.factor * shear_rate) + thermal
+
+    def rate(self, state: np.ndarray, shear_rate: np.ndarray) -> np.ndarray:
+        """Return dC/dt."""
+        return self.base.rate(state, self.factor * shear_rate) / self.factor
+
+    def update(
+        self, known: np.ndarray, gamma_dt: Any, shear_rate: np.ndarray, guess: np.ndarray
+    ) -> tuple[np.ndarray, Any]:
+        """Solve for C; see ``ViscoelasticModel.update``."""
+        a = self.factor
+        state, tangent = self.base.update(known, gamma_dt / a, a * shear_rate, guess)
+        return state, a * tangent + (a - 1.0) * self.viscosity
+
+    def linear(self, state: np.ndarray, gamma_dt: Any, shear_rate: np.ndarray, defect: np.ndarray) -> Any:
+        """Return the linearised stress; see ``ViscoelasticModel.linear``."""
+        return self.base.linear(state, gamma_dt / self.factor, self.factor * shear_rate, defect)
+
+    def jacobian(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+        """Return the derivatives at one point; see ``ViscoelasticModel.jacobian``."""
+        a = self.factor
+        decay, stretching, stress, tangent = self.base.jacobian(state, a * shear_rate)
+        return decay / a, stretching, stress, a * tangent + (a - 1.0) * self.viscosity
+
+    def by_factor(self, state: np.ndarray, shear_rate: float) -> tuple[np.ndarray, float]:
+        """Return the derivatives of F (components,) and of S_xy by the factor, at one point."""
+        a = self.factor
+        _, stretching, _, tangent = self.base.jacobian(state, a * shear_rate)
+        rate = self.rate(state[:, None], np.array([shear_rate]))[:, 0]
+        return (shear_rate * stretching - rate) / a, shear_rate * (tangent + self.viscosity)
+
+    def apply_shear(self, state: np.ndarray, strain: np.ndarray) -> None:
+        """Shear the states at once by ``strain``."""
+        self.base.apply_shear(state, strain)
+
+    @property
+    def components(self) -> int:
+        """Number of states."""
+        return self.base.components
+
+
+StressModel = ViscoelasticModel | InelasticModel | ThermalModel
 """Response of an extra stress."""
+
+
+def at_factor(model: Any, viscosity: float, factor: Any) -> Any:
+    """Return a ``model`` whose viscosities and relaxation times have a ``factor``, None where nothing changes them."""
+    return model if factor is None else ThermalModel(model, viscosity, factor)
+
 
 FluidModel = StressModel | NewtonianModel
 
@@ -162,11 +231,13 @@ FluidModel = StressModel | NewtonianModel
 def model_of(rheology: Any, channel: Channel) -> FluidModel:
     """Return the model of a fluid's extra stress.
 
-    At a wall of unknown velocity a Newtonian fluid counts as inelastic: the wall needs its shear stress.
+    At a wall of unknown velocity a Newtonian fluid counts as inelastic: the wall needs its shear stress. So it does
+    where its viscosity depends on the temperature.
     """
     if rheology.carries_stress:
         return ViscoelasticModel(rheology, channel.kinematic_viscosity)
-    if rheology.type == "newtonian" and not channel.seeks_wall_velocity:
+    temperature = channel.temperature
+    if rheology.type == "newtonian" and not (channel.seeks_wall_velocity or (temperature and temperature.law)):
         return NewtonianModel()
     return InelasticModel(rheology.law(channel.kinematic_viscosity, channel.density), channel.kinematic_viscosity)
 

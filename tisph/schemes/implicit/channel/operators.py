@@ -319,6 +319,10 @@ class ClosedParticleOperators(ClosedOperators):
         """Return the operators of another field; see ``ClosedOperators.of_field``."""
         return ClosedParticleOperators(self.operators, Reflection(self.ghosts, even), self.channel, False, diffusivity)
 
+    def point_heights(self) -> np.ndarray:
+        """Return the y of the particles."""
+        return self.ghosts.heights().astype(float)
+
     def prepare(self) -> None:
         """Prepare linear systems with the assembled operators."""
         if self.solver.coarse:

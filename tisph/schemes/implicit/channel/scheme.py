@@ -30,6 +30,7 @@ from tisph.scenes._channel import Channel
 from tisph.schemes._controlled_scheme import ControlledScheme
 from tisph.schemes._momentum import momentum_terms
 from tisph.schemes._step_control import StepControl
+from tisph.schemes.implicit.channel.heat import NoSubstances
 from tisph.schemes.implicit.channel.operators import (
     ClosedParticleOperators,
     FixedGhosts,
@@ -54,10 +55,11 @@ class ChannelScheme(ControlledScheme):
     """Particles in a channel, advanced step by step; see ``_protocol.Scheme``.
 
     ``control``: the ``StepControl`` of the run. ``serial``: compile loops without threads. ``velocity_sum``: sum of the
-    velocities over the particles at the start; ``wall_impulse``: velocity gained since from the (bottom, top) wall.
+    velocities over the particles at the start; ``wall_impulse``: velocity gained since from the (bottom, top) wall;
+    ``pull_impulse``: from the acceleration by the temperature.
     """
 
-    kept = (*ControlledScheme.kept, "velocity_sum", "wall_impulse")
+    kept = (*ControlledScheme.kept, "velocity_sum", "wall_impulse", "pull_impulse")
 
     def __init__(self, config: Config, channel: Channel, control: StepControl, serial: bool) -> None:
         order = config.scheme.operators.order
@@ -77,7 +79,7 @@ class ChannelScheme(ControlledScheme):
         )
         self.particles = Particles(self.operators, self.ghosts, self.closed, channel, self.model.components)
         self.step = ImplicitStep(self.particles, self.closed, self.walls, channel)
-        self.extra_stress = self.step.extra_stress
+        self.extra_stress, self.substances = self.step.extra_stress, self.step.substances
         self.wall_force = WallForce(self.closed, self.walls, self.extra_stress, channel)
         self.stages: list[FlowState] = []
         self.reset()
@@ -85,15 +87,17 @@ class ChannelScheme(ControlledScheme):
     def reset(self) -> None:
         """Return to before the first step."""
         self.reset_steps(self.channel.start_time)
-        self.velocity_sum, self.wall_impulse = 0.0, [0.0, 0.0]
+        self.velocity_sum, self.wall_impulse, self.pull_impulse = 0.0, [0.0, 0.0], 0.0
         self.walls.enter(self.time)
+        self.substances.start(self.time)
 
     def start(self, position: np.ndarray, velocity: np.ndarray, _stress: np.ndarray | None = None) -> None:
         """Place the particles: ``position`` and ``velocity`` (particles, 2); the channel gives the states C."""
-        self.particles.start(position, velocity[:, 0], self.model.initial(self.channel, position[:, 1]))
+        y = position[:, 1]
+        self.particles.start(position, velocity[:, 0], self.model.initial(self.channel, y), self.substances.initial(y))
         self.velocity_sum = float(velocity[:, 0].sum())
         self.walls.start()
-        if self.walls.obeys_momentum and self.walls.any_jump:
+        if (self.walls.obeys_momentum and self.walls.any_jump) or self.substances.jumping:
             self.apply_impulse()
 
     def advance(self) -> None:
@@ -104,12 +108,17 @@ class ChannelScheme(ControlledScheme):
         if dt is None:
             raise self.diverged("u: no step is short enough")
         self.accept(dt)
+        self.substances.require_bounded(self.particles.carried, self.control.dt_next)
 
     def apply_impulse(self) -> None:
         """Apply the impulses of walls whose velocity, acceleration or stress jumps at the present time."""
         self.particles.arrange(0.0)
         flow = self.particles.flow()
+        self.substances.start(self.time)
+        self.substances.begin(flow, self.time, self.control.dt_next)
+        self.walls.set_effects(self.substances.effects())
         self.add_impulse(self.walls.apply_impulse(flow, self.time, self.closed, self.extra_stress.wall_values(flow)))
+        self.substances.apply_impulse(flow)
         self.particles.set_flow(flow)
 
     def add_impulse(self, impulse: Sequence[float]) -> None:
@@ -140,27 +149,29 @@ class ChannelScheme(ControlledScheme):
             raise DivergedError(f"{text} {self.present_step} ({indefinite.size} particles are wrong)")
         resolved = self.layer_thickness >= RESOLVED
         self.add_impulse(self.wall_force.impulse(self.stages, self.time, dt, resolved))
-        self.walls.conclude()
-        self.particles.accept(self.stages, self.walls, self.time, dt, resolved)
+        self.pull_impulse += self.substances.pull_impulse(self.stages)
+        self.step.conclude()
+        self.particles.accept(self.stages, self.walls, self.substances, self.time, dt, resolved)
         self.end_step(dt, self.particles.steepest)
 
     @property
     def layer_thickness(self) -> float:
         """Thickness sqrt(nu t) of layers since the last jump, in spacings; infinite without jumps."""
-        if not self.walls.any_jump:
+        diffusivities = [*([self.viscosity] if self.walls.any_jump else []), *self.substances.jumping]
+        if not diffusivities:
             return math.inf
         since = self.time - max((change for change in self.control.jump_times if change <= self.time), default=0.0)
-        return math.sqrt(self.viscosity * since) / self.channel.spacing
+        return math.sqrt(min(diffusivities) * since) / self.channel.spacing
 
     def snapshot(self, time: float | None = None) -> Snapshot:
         """Return the state at ``time``, within the last step, or now."""
         particles = self.particles
         if time is None or time == self.time:
-            time, state = self.time, particles.state
+            time, state, carried = self.time, particles.state, particles.carried
             fields = (particles.position, particles.velocity, particles.log_volume)
             position, velocity, volume = (view(field)[particles.fluid].astype(float) for field in fields)
         else:
-            position, velocity, volume, state = particles.at(time)
+            position, velocity, volume, state, carried = particles.at(time)
         with np.errstate(over="ignore"):  # in a run that diverges, which is stopped afterwards
             density = self.channel.density * np.exp(-volume)
         stresses = self.channel.density * np.array(self.model.stress(state))
@@ -173,13 +184,14 @@ class ChannelScheme(ControlledScheme):
             v=np.zeros_like(velocity),
             density=density,
             pressure=np.zeros_like(velocity),
+            **self.substances.seen(position[:, 1], carried, time),
             **dict(zip(STRESSES, stresses, strict=False)),
         )
 
     def momentum_balance(self) -> Mapping[str, Any]:
         """Return the balance of momentum along x up to ``time``, see ``momentum_terms``."""
         total = float(view(self.particles.velocity)[self.particles.fluid].sum(dtype=float))
-        return momentum_terms(self.channel, self.time, total - self.velocity_sum, self.wall_impulse)
+        return momentum_terms(self.channel, self.time, total - self.velocity_sum, self.wall_impulse, self.pull_impulse)
 
     def numbers(self) -> dict[str, Any]:
         """Return the numbers of this scheme for ``summary.json``."""
@@ -191,13 +203,15 @@ class ChannelScheme(ControlledScheme):
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers outside the fields that a resumed run needs."""
-        return {**super().host_state(), "walls": self.walls.host_state()}
+        parts = {"walls": self.walls.host_state(), "substances": self.substances.host_state()}
+        return {**super().host_state(), **parts}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
         super().restore_host_state(state)
         self.walls.enter(self.time)
         self.walls.restore_host_state(state["walls"])
+        self.substances.restore_host_state(state["substances"])
 
 
 @ti.data_oriented
@@ -209,7 +223,9 @@ class Particles:
     logarithm of the volume over the volume at the start. ``slope`` (fluid, 2): gradient of the velocity;
     ``curvature`` (fluid, 3): its xx, xy, yy derivatives; ``state_slope``: dC/dy; ``steepest``: largest magnitude of
     the gradient. Names with ``start`` and ``end``: values and time derivatives at both ends of the last step, which
-    began at ``began`` and has the length ``dt``. The velocities across the channel are 0.
+    began at ``began`` and has the length ``dt``. ``carried`` (substances, fluid): temperature and dissolved substances,
+    with their gradients ``carried_slope`` and second derivatives ``carried_curvature``. The velocities across the
+    channel are 0.
     """
 
     def __init__(
@@ -234,26 +250,32 @@ class Particles:
         self.state, self.start_state, self.start_state_rate, self.end_state_rate, self.state_slope = np.zeros(
             (5, components, self.points.fluid)
         )
+        count = len(channel.substances)
+        self.carried, self.start_carried, self.start_carried_rate, self.end_carried_rate = np.zeros(
+            (4, count, self.points.fluid)
+        )
+        self.carried_slope, self.carried_curvature = (np.zeros((count, self.points.fluid, each)) for each in (2, 3))
         self.shear_rate = np.zeros(self.points.fluid) if closed.coupled else None
         self.steepest = self.began = self.dt = 0.0
         self.read: Any = None
 
-    def start(self, position: np.ndarray, velocity: np.ndarray, state: np.ndarray) -> None:
-        """Set ``position`` (fluid, 2), ``velocity`` (fluid,) and ``state`` (components, fluid) when a run starts."""
+    def start(self, position: np.ndarray, velocity: np.ndarray, state: np.ndarray, carried: np.ndarray) -> None:
+        """Set ``position`` (fluid, 2), ``velocity`` (fluid,), ``state`` and ``carried`` when a run starts."""
         view(self.position)[self.fluid], view(self.velocity)[self.fluid] = position, velocity
         view(self.log_volume)[self.fluid] = 0.0
-        self.state[...] = state
+        self.state[...], self.carried[...] = state, carried
         if self.shear_rate is not None:
             self.shear_rate[...] = 0.0
 
     def flow(self) -> FlowState:
         """Return a copy of the velocities and states, in double precision."""
-        return FlowState(view(self.velocity)[self.fluid].astype(float), self.state.copy(), self.shear_rate)
+        velocity, carried = view(self.velocity)[self.fluid].astype(float), self.carried.copy()
+        return FlowState(velocity, self.state.copy(), self.shear_rate, substances=carried)
 
     def set_flow(self, flow: FlowState) -> None:
         """Set velocities and states to the values of a ``flow``."""
         view(self.velocity)[self.fluid] = flow.velocity
-        self.state[...] = flow.state
+        self.state[...], self.carried[...] = flow.state, flow.substances
 
     # --- the arrangement in the middle of a step
 
@@ -301,6 +323,9 @@ class Particles:
         x = x - half * slope[:, 1] * y
         squares = np.stack([0.5 * x * x, x * y, 0.5 * y * y], axis=1)
         change = slope[:, 0] * x + slope[:, 1] * y + np.einsum("nk,nk->n", curvature, squares)
+        for values, first, second in zip(self.carried, self.carried_slope, self.carried_curvature, strict=True):
+            by_curvature = np.einsum("nk,nk->n", second[moved], squares)
+            values[moved] += first[moved, 0] * x + first[moved, 1] * y + by_curvature
         self.state[:, moved] += self.state_slope[:, moved] * y
         velocity = view(self.velocity)
         velocity[moved] += change
@@ -310,7 +335,9 @@ class Particles:
 
     # --- the end of a step
 
-    def accept(self, flows: list[FlowState], walls: WallPair, time: float, dt: float, resolved: bool) -> None:
+    def accept(
+        self, flows: list[FlowState], walls: WallPair, substances: NoSubstances, time: float, dt: float, resolved: bool
+    ) -> None:
         """Accept a step of length ``dt`` from ``time`` with the stages ``flows``, and move the particles.
 
         ``resolved``: whether derivatives near the walls are accurate enough to integrate volumes. Walls are at the end
@@ -329,6 +356,10 @@ class Particles:
         velocity[...] = end_velocity
         self.start_state[...], self.state[...] = self.state, end.state
         self.start_state_rate[...], self.end_state_rate[...] = start.state_rate, end.state_rate
+        if len(self.carried):
+            self.start_carried[...], self.carried[...] = start.substances, end.substances
+            self.start_carried_rate[...], self.end_carried_rate[...] = start.substance_rates, end.substance_rates
+            substances.measure(self.carried_slope, self.carried_curvature)
         if self.shear_rate is not None:
             self.shear_rate[...] = end.shear_rate
         for component, (slope, state) in enumerate(zip(self.state_slope, self.state, strict=True)):
@@ -373,13 +404,14 @@ class Particles:
     # --- output
 
     def at(self, time: float) -> tuple[np.ndarray, ...]:
-        """Return position (fluid, 2), velocity, ``log_volume`` (fluid,) and state at a ``time`` of the last step."""
+        """Return position (fluid, 2), velocity, ``log_volume`` (fluid,), state and T at a ``time`` of the last step."""
         start, end, start_rate, end_rate, position, log_volume = self.last_step()
         position, theta = position.copy(), (time - self.began) / self.dt
         position[:, 0] += self.dt * (theta * start + 0.5 * theta**2 * (end - start))  # velocities linear in time
         velocity = hermite(theta, self.dt, start, end, start_rate, end_rate)
         states = self.start_state, self.state, self.start_state_rate, self.end_state_rate
-        return position, velocity, log_volume, hermite(theta, self.dt, *states)
+        carried = self.start_carried, self.carried, self.start_carried_rate, self.end_carried_rate
+        return position, velocity, log_volume, *(hermite(theta, self.dt, *each) for each in (states, carried))
 
     def last_step(self) -> list[np.ndarray]:
         """Return velocities and rates of the last step, first positions and ``log_volume``, read once for a step."""
@@ -442,6 +474,7 @@ class WallForce:
         found = []
         for wall, distance in zip(self.walls, ghosts.offset, strict=True):
             slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
+            slope = slope - wall.mean_pull
             near = distance < ghosts.cutoff
             rise = wall.normal_sign * (slope - self.acceleration) * distance
             square, rest = distance[near] ** 2, (stress - rise)[near]

@@ -49,6 +49,9 @@ Solution = tuple[np.ndarray, Any, Any]
 class FlowState:
     """The flow in one stage, of n points.
 
+    ``substances`` (substances, n): temperature and dissolved substances; ``substance_rates``: their time derivatives.
+    ``factor`` (n,): of viscosity and relaxation times by the temperature; None without an effect.
+
     ``velocity`` (n,) and ``state`` (components, n), the states C of the extra stress; ``velocity_rate`` and
     ``state_rate``: their time derivatives. ``shear_rate`` (n,): D u; ``stress`` (n,): S_xy per unit density;
     ``tangent`` (n,): dS_xy/d(D u). The last three are None without an extra stress, for which ``state`` is (0, n).
@@ -61,6 +64,9 @@ class FlowState:
     velocity_rate: Any = None
     state_rate: Any = None
     tangent: Any = None
+    substances: Any = None
+    substance_rates: Any = None
+    factor: Any = None
 
 
 class ClosedOperators:
@@ -75,6 +81,13 @@ class ClosedOperators:
 
     def of_field(self, even: Sequence[bool], diffusivity: float) -> "ClosedOperators":
         """Return the operators of another field, which the (bottom, top) wall reflects evenly or oddly."""
+        raise NotImplementedError
+
+    def prepare(self) -> None:
+        """Prepare linear systems with the assembled operators."""
+
+    def point_heights(self) -> np.ndarray:
+        """Return the y of the points."""
         raise NotImplementedError
 
     def laplacian(self, values: np.ndarray) -> np.ndarray:
@@ -93,15 +106,16 @@ class ClosedOperators:
         """Return the part of D u that the boundary values of the images contribute."""
         return self.boundary("d_dy", series)
 
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the indices of points near the wall ``side``, their distances from it, and their weights.
+    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the indices of points near the wall ``side``, their distances from it, and two sets of weights.
 
-        The weighted sum of values is the value at the wall of the even polynomial that fits them best.
+        The weighted sums of values are the value at the wall of the even polynomial that fits them best, and its
+        second derivative.
         """
         points, distance, radius = self.near_wall(side)
         near = np.flatnonzero(distance < radius)
-        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
-        return points[near], distance[near], weights
+        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))
+        return points[near], distance[near], weights[0], 2.0 / radius**2 * weights[1]
 
     def wall_values(self, values: np.ndarray) -> np.ndarray:
         """Return ``values`` (quantities, n) extrapolated to each wall (2, quantities).
@@ -166,3 +180,11 @@ def stage_predictors() -> np.ndarray:
         nodes = np.array(C[:stage])[:, None] ** powers
         weights[stage, :stage] = np.linalg.solve(nodes.T, C[stage] ** (powers + 1) / (powers + 1))
     return weights
+
+
+def norm(values: np.ndarray) -> float:
+    """Return the root mean square of ``values`` (n,)."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+PREDICTORS = stage_predictors()

@@ -21,17 +21,19 @@ import numpy as np
 from tisph.config.schema import Config
 from tisph.scenes._channel import Channel
 from tisph.schemes._step_control import StepControl
-from tisph.schemes.implicit.channel.models import StressModel
+from tisph.schemes.implicit.channel.heat import CarriedSubstances, NoSubstances
+from tisph.schemes.implicit.channel.models import StressModel, at_factor
 from tisph.schemes.implicit.channel.stages import (
     DEFECT,
     GAMMA,
+    PREDICTORS,
     B,
     C,
     ClosedOperators,
     FlowState,
     Solution,
     explicit_part,
-    stage_predictors,
+    norm,
     weighted,
 )
 from tisph.schemes.implicit.channel.walls import WallPair
@@ -98,6 +100,9 @@ class ImplicitStep:
         self.extra_stress: NoExtraStress = NoExtraStress(operators, walls, channel)
         if isinstance(walls.model, StressModel):
             self.extra_stress = ExtraStress(operators, walls, channel, walls.model)
+        self.substances = NoSubstances()
+        if channel.substances:
+            self.substances = CarriedSubstances(channel, operators, walls)
 
     def advance(
         self, time: float, dt: float, tolerance: float, shift: bool = False
@@ -114,7 +119,8 @@ class ImplicitStep:
                 repeat: S* and T from C* = C_K + g F(C*, D u*), with the present iterate u* of u_i
                         (1 - g nu_s A - g D T D) u_i = u_K + g (D (S* - T D u*) + s(t^n + c_i dt))                   (8)
                         with the velocity of a stress-controlled wall by its own momentum balance
-                until S(C_i, D u_i) is the stress in (8)
+                    and then T_i of the substances that the fluid carries, by (9) in ``heat.py``
+                until S(C_i, D u_i) is the stress in (8), and T_i acts in (8)
                 k_i = (u_i - u_K) / g
             u^(n+1) = u_4, since b_j = a_4j                                                                         (4b)
             (1 - g nu_s A - g D T D) e = d + g D S_C (1 - g F_C)^-1 d_C,    d = dt sum_j (b_j - b^_j) k_j            (5)
@@ -124,10 +130,14 @@ class ImplicitStep:
         Returns None and NaN where a linear system cannot be solved, None and infinity where (8) does not converge.
         """
         operators, walls, extra, gamma_dt = self.operators, self.walls, self.extra_stress, GAMMA * dt
-        start = self.points.assemble(dt, shift)
+        substances, start = self.substances, self.points.assemble(dt, shift)
+        substances.begin(start, time, dt)
+        walls.set_effects(substances.effects())
         walls.begin(time, dt, extra.wall_values(start), operators)
         extra.begin(start)
-        start.velocity_rate = self.viscosity * operators.laplacian(start.velocity) + extra.source(start.stress, 0)
+        source = substances.driven(extra.source(start.stress, 0))
+        start.velocity_rate = self.viscosity * operators.laplacian(start.velocity) + source
+        substances.begin_rates(start)
         flows = [start]
         for stage in range(1, len(C)):
             velocity_rates, state_rates = [flow.velocity_rate for flow in flows], [flow.state_rate for flow in flows]
@@ -136,28 +146,37 @@ class ImplicitStep:
                 explicit_part(start.state, stage, dt, state_rates),
             )
             velocity = start.velocity + dt * weighted(PREDICTORS[stage], velocity_rates)
+            substances.begin_stage(stage, flows, known)
             shear_rate = extra.begin_stage(stage, time + C[stage] * dt, velocity)
             flow = extra.respond(velocity, shear_rate, known, flows[-1].state, gamma_dt)
             for _ in range(MOST_ITERATIONS):
                 stress, boundary = extra.linearise(flow, stage)
-                right = known.velocity + gamma_dt * extra.source(stress, stage)
+                right = known.velocity + gamma_dt * substances.driven(extra.source(stress, stage))
                 velocity = operators.solve(gamma_dt, flow.tangent, right, flow.velocity, tolerance)  # (8)
                 solution = extra.solution(velocity, flow, boundary, gamma_dt, tolerance)
                 if solution is None:
                     return None, math.nan
                 velocity, shear_rate, stress = solution
+                settled = substances.solve(known, velocity, shear_rate, stress, tolerance)
                 flow = extra.respond(velocity, shear_rate, known, flow.state, gamma_dt)
-                if extra.converged(flow, stress, tolerance):
+                if settled and extra.converged(flow, stress, tolerance):
                     break
             else:
                 return None, math.inf
             extra.end_stage(flow)
+            substances.end_stage(flow)
             flow.velocity_rate = (flow.velocity - known.velocity) / gamma_dt
             flow.state_rate = (flow.state - known.state) / gamma_dt
             flows.append(flow)
         defect = dt * weighted(DEFECT, [flow.velocity_rate for flow in flows])
         state_defect = dt * weighted(DEFECT, [flow.state_rate for flow in flows])
-        return flows, extra.filtered_error(flows[-1], gamma_dt, defect, state_defect)
+        error = extra.filtered_error(flows[-1], gamma_dt, defect, state_defect)
+        return flows, substances.with_errors(error, flows, ERROR_RESIDUAL)
+
+    def conclude(self) -> None:
+        """Accept the step: its end is the start of the next."""
+        self.walls.conclude()
+        self.substances.conclude()
 
 
 class NoExtraStress:
@@ -252,8 +271,9 @@ class ExtraStress(NoExtraStress):
         for wall in self.walls.stress_controlled:
             wall.prepare(self, start)
         start.shear_rate = self.shear_rate(start.velocity, 0)
-        start.stress = self.model.shear_stress(start.state, start.shear_rate)
-        start.state_rate = self.model.rate(start.state, start.shear_rate)
+        model = at_factor(self.model, self.viscosity, start.factor)
+        start.stress = model.shear_stress(start.state, start.shear_rate)
+        start.state_rate = model.rate(start.state, start.shear_rate)
 
     def begin_stage(self, stage: int, time: float, velocity: np.ndarray) -> np.ndarray:
         """Begin an implicit ``stage`` at ``time``, on the walls too; return D u of the predicted ``velocity`` (n,)."""
@@ -275,9 +295,10 @@ class ExtraStress(NoExtraStress):
         self, velocity: np.ndarray, shear_rate: Any, known: FlowState, state: np.ndarray, gamma_dt: float
     ) -> FlowState:
         """Return the flow of a stage; see ``NoExtraStress.respond``."""
-        state, tangent = self.model.update(known.state, gamma_dt, shear_rate, state)
-        stress = self.model.shear_stress(state, shear_rate)
-        return FlowState(velocity, state, shear_rate, stress, tangent=tangent)
+        model = at_factor(self.model, self.viscosity, known.factor)
+        state, tangent = model.update(known.state, gamma_dt, shear_rate, state)
+        stress = model.shear_stress(state, shear_rate)
+        return FlowState(velocity, state, shear_rate, stress, tangent=tangent, factor=known.factor)
 
     def linearise(self, flow: FlowState, stage: int) -> tuple[np.ndarray, np.ndarray]:
         """Return S* - T D u* without the boundary values of D u, and these; see ``NoExtraStress.linearise``."""
@@ -308,7 +329,8 @@ class ExtraStress(NoExtraStress):
 
     def filtered_error(self, end: FlowState, gamma_dt: float, defect: np.ndarray, state_defect: np.ndarray) -> float:
         """Return the root sum of squares of the errors of u, of S_xy gap/nu and of the walls' velocities."""
-        relaxed = self.model.linear(end.state, gamma_dt, end.shear_rate, state_defect)
+        model = at_factor(self.model, self.viscosity, end.factor)
+        relaxed = model.linear(end.state, gamma_dt, end.shear_rate, state_defect)
         right = defect + gamma_dt * self.operators.gradient(relaxed, 1.0)
         velocity = self.operators.solve(gamma_dt, end.tangent, right, np.zeros_like(right), ERROR_RESIDUAL)
         if velocity is None:
@@ -324,11 +346,3 @@ class ExtraStress(NoExtraStress):
     def mean_stress(self, flows: list[FlowState]) -> np.ndarray:
         """Return the mean of S_xy over a step (n,) with these stages."""
         return weighted(B, [flow.stress for flow in flows])
-
-
-def norm(values: np.ndarray) -> float:
-    """Return the root mean square of ``values`` (n,)."""
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
-PREDICTORS = stage_predictors()

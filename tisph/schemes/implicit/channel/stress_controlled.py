@@ -29,7 +29,7 @@ from tisph.config.schema import Config
 from tisph.errors import DivergedError
 from tisph.geometry.motion import StressControlledWall
 from tisph.scenes._channel import Channel
-from tisph.schemes.implicit.channel.models import StressModel, model_of
+from tisph.schemes.implicit.channel.models import StressModel, at_factor, model_of
 from tisph.schemes.implicit.channel.stages import DEFECT, GAMMA, B, ClosedOperators, FlowState, explicit_part, weighted
 from tisph.schemes.implicit.channel.step import ExtraStress
 from tisph.schemes.implicit.channel.walls import (
@@ -67,7 +67,7 @@ class WallOfGivenStress(CoupledWall):
         """Begin a step; see ``PrescribedWall.begin``."""
         self.dt, self.gamma_dt = dt, GAMMA * dt
         self.stress_of = self.control.after(time).stress
-        self.near, self.distance, self.weights = operators.even_fit(self.side)
+        self.near, self.distance, self.weights, self.curvature_weights = operators.even_fit(self.side)
         self.velocities: list[float] = [self.velocity]
         self.stresses: list[float] = []
         self.rates: list[float] = []
@@ -120,7 +120,7 @@ class InertialWall(WallOfGivenStress):
         """Begin a stage at ``time``: compute its explicit parts from the rates of earlier stages."""
         self.stress = float(self.stress_of(time))
         gamma_dt = self.gamma_dt if stage else 0.0
-        self.system = WallSystem(gamma_dt, self.model, self.viscosity, self.fluid[stage])
+        self.system = WallSystem(gamma_dt, self.model, self.viscosity, self.fluid[stage], self.effects[stage])
         self.known = explicit_part(self.velocity, stage, self.dt, self.rates)
         self.known_slope = explicit_part(self.slope, stage, self.dt, self.slope_rates)
         self.known_third = explicit_part(self.third, stage, self.dt, self.third_rates)
@@ -130,8 +130,8 @@ class InertialWall(WallOfGivenStress):
     def accelerate(self, velocity: float, rate: float) -> None:
         """Set ``velocity`` and acceleration ``rate`` of the wall in the present stage, and its series."""
         self.stage_velocity, self.rate = velocity, rate
-        driving = rate - self.channel.acceleration
-        found, self.state_rates = self.system.derivatives(self.known_slope, self.known_third, driving, 0.0)
+        self.driving = rate - self.channel.acceleration - self.system.effects.pull
+        found, self.state_rates = self.system.derivatives(self.known_slope, self.known_third, self.driving, 0.0)
         self.ends = found[:2]
         self.series[-1], self.stress_series[-1] = [2.0 * velocity, found[2], found[3] / 12.0], found[4:]
 
@@ -145,8 +145,9 @@ class InertialWall(WallOfGivenStress):
         for rate in (0.0, 1.0):  # the stress is linear in the acceleration
             self.accelerate(self.velocity, rate)
             shear_rate = extra.shear_rate(start.velocity, 0)
-            stress = self.viscosity * shear_rate + self.model.shear_stress(start.state, shear_rate)
-            totals.append(self.fitted_stress(stress, rate - self.channel.acceleration))
+            model = at_factor(self.model, self.viscosity, start.factor)
+            stress = self.viscosity * shear_rate + model.shear_stress(start.state, shear_rate)
+            totals.append(self.fitted_stress(stress, self.driving))
         more = totals[1] - totals[0]
         force = self.stress - self.friction * self.velocity + self.normal_sign * totals[0]
         rate = force / (self.mass - self.normal_sign * more)
@@ -168,7 +169,7 @@ class InertialWall(WallOfGivenStress):
         ``gamma_dt``, ``tangent``, ``tolerance``: of the linear systems of the stage.
         """
         nothing = np.zeros_like(self.known_slope)
-        found, _ = self.system.derivatives(nothing, nothing, 1.0 / gamma_dt, 0.0)
+        found, _ = self.system.derivatives(nothing, nothing, 1.0 / gamma_dt, 0.0, thermal=0.0)
         series = one_sided(self.side, [2.0, found[2], found[3] / 12.0])
         boundary = operators.boundary_gradient(series)
         right = self.viscosity * operators.boundary_laplacian(series)
@@ -181,7 +182,7 @@ class InertialWall(WallOfGivenStress):
         return operators.gradient(response, -1.0) + boundary
 
     def fitted_stress(self, stress: np.ndarray, rate: float) -> float:
-        """Return the value at the wall of the even fit to ``stress`` (n,), with its slope ``rate`` = U' - g."""
+        """Return the value at the wall of the even fit to ``stress`` (n,), with its slope ``rate`` = U' - g - b."""
         return float(self.weights @ (stress[self.near] - self.normal_sign * rate * self.distance))
 
     def close(self, velocity: np.ndarray) -> None:
@@ -227,17 +228,17 @@ class MasslessWall(WallOfGivenStress):
     """A stress-controlled wall without a mass.
 
     ``state`` and ``second`` (components,): C and C_yy of the fluid at the wall. ``rate`` and ``change``: the shear rate
-    e there and its time derivative.
+    e there and its time derivative. ``curvature``: u_yy there at the end of the last step.
     """
 
     even_reflection = True
-    kept = "state", "second", "rate", "change", "velocity", "displacement"
+    kept = "state", "second", "rate", "change", "curvature", "velocity", "displacement"
 
     def forget(self) -> None:
         """Return to a wall at rest beside a fluid in which C is 0."""
         super().forget()
         self.state, self.second = np.zeros((2, self.model.components))
-        self.rate = self.change = 0.0
+        self.rate = self.change = self.curvature = 0.0
 
     def initialise(self, derivatives: Sequence[np.ndarray]) -> None:
         """Set the derivatives of orders 0 to 3 of C along y at the wall (4, components)."""
@@ -255,9 +256,10 @@ class MasslessWall(WallOfGivenStress):
         """Set shear rate and e' for the stress from ``time`` on; return the jump of the shear rate."""
         before, self.known, self.gamma_dt = self.rate, self.state, 0.0
         self.stress = float(self.control.after(time).stress(time))
+        self.heed(0)
         self.balance(self.rate)
         self.rate = self.shear_rate
-        _, _, by_state, tangent = self.model.jacobian(self.state, self.rate)
+        _, _, by_state, tangent = self.local.jacobian(self.state, self.rate)
         relaxation = float(by_state @ self.state_rate(self.state, self.rate))
         stress_rate = float(self.control.slope(time))
         self.change = (-self.normal_sign * stress_rate - relaxation) / (self.viscosity + tangent)
@@ -280,9 +282,10 @@ class MasslessWall(WallOfGivenStress):
         self.gamma_dt, self.known, self.stress = 0.0, self.state, float(self.stress_of(time))
         self.state_rates: list[np.ndarray] = []
         self.second_rates: list[np.ndarray] = []
+        self.heed(0)
         self.set_shear_rate(self.rate)
         system = self.system()
-        second, second_rate, third = system.solve(self.second, self.change)
+        second, second_rate, third = system.solve(self.second, *self.driving(self.change))
         self.append_series(system, second, third)
         self.append_rates(self.change, self.state_rate(self.state, self.rate), second_rate)
         self.gamma_dt = GAMMA * dt
@@ -293,10 +296,11 @@ class MasslessWall(WallOfGivenStress):
         self.known = explicit_part(self.state, stage, self.dt, self.state_rates)
         known_second = explicit_part(self.second, stage, self.dt, self.second_rates)
         known_rate = explicit_part(self.rate, stage, self.dt, self.rates)
+        self.heed(stage)
         self.balance(known_rate + self.gamma_dt * self.rates[-1])
         system = self.system()
         rate = (self.shear_rate - known_rate) / self.gamma_dt
-        self.stage_second, second_rate, third = system.solve(known_second, rate)
+        self.stage_second, second_rate, third = system.solve(known_second, *self.driving(rate))
         self.append_series(system, self.stage_second, third)
         self.stage_rates = rate, (self.stage_state - self.known) / self.gamma_dt, second_rate
 
@@ -304,24 +308,39 @@ class MasslessWall(WallOfGivenStress):
         """Append the series of a stage with the present shear rate, by C_yy and u_yyy."""
         self.third_derivative = third
         self.series.append([-2.0 * self.normal_sign * self.shear_rate, -self.normal_sign * third / 3.0, 0.0])
-        self.stress_series.append((self.extra_stress, system.stress_slope(second, third)))
+        thermal = system.stress_by_factor * self.effect.factor_curvature + self.mixed_term
+        stress = system.stress_slope(second, third) + thermal
+        self.stress_series.append((self.extra_stress, stress))
+
+    def driving(self, rate: float) -> tuple[float, float]:
+        """Return nu_s u_yyy + S_yy by e' = ``rate``, less the products of a_y and u_yy in it, and a_yy."""
+        return rate - self.effect.pull_slope - self.mixed_term, self.effect.factor_curvature
+
+    def heed(self, stage: int) -> None:
+        """Take the effects of the temperature on the fluid at the wall in a ``stage``."""
+        self.effect = self.effects[stage]
+        self.local = at_factor(self.model, self.viscosity, self.effect.factor)
 
     def state_rate(self, state: np.ndarray, shear_rate: float) -> np.ndarray:
         """Return dC/dt (components,) of the fluid at the wall."""
-        return self.model.rate(state[:, None], np.array([shear_rate]))[:, 0]
+        return self.local.rate(state[:, None], np.array([shear_rate]))[:, 0]
 
     def set_shear_rate(self, shear_rate: float) -> None:
         """Set the ``shear_rate`` of the fluid at the wall, and by it C, the stresses and the tangent there."""
         rate, known = np.array([shear_rate]), self.known[:, None]
-        state, tangent = self.model.update(known, self.gamma_dt, rate, known)
+        state, tangent = self.local.update(known, self.gamma_dt, rate, known)
         self.shear_rate, self.stage_state = shear_rate, state[:, 0]
-        self.extra_stress = float(np.ravel(self.model.shear_stress(state, rate))[0])
+        self.extra_stress = float(np.ravel(self.local.shear_stress(state, rate))[0])
         self.total = self.viscosity * shear_rate + self.extra_stress
         self.tangent = self.viscosity + float(np.ravel(tangent)[0])
 
     def system(self) -> WallSystem:
         """Return the equations of the derivatives along y, about the present C and shear rate."""
-        return WallSystem(self.gamma_dt, self.model, self.viscosity, np.append(self.stage_state, self.shear_rate))
+        fluid = np.append(self.stage_state, self.shear_rate)
+        system = WallSystem(self.gamma_dt, self.model, self.viscosity, fluid, self.effect)
+        by_both = system.viscosity / (self.effect.factor or 1.0)  # of the stress by shear rate and factor
+        self.mixed_term = 2.0 * by_both * self.effect.factor_slope * self.curvature
+        return system
 
     def balance(self, guess: float) -> None:
         """Solve s sigma(e, C) = stress for the shear rate e by Newton's method, from a ``guess``."""
@@ -335,13 +354,15 @@ class MasslessWall(WallOfGivenStress):
 
     def close(self, velocity: np.ndarray) -> None:
         """End an implicit stage with these velocities of the fluid (n,)."""
-        self.velocities.append(self.fitted_velocity(velocity, self.shear_rate, self.third_derivative))
+        values = self.even_part(velocity, self.shear_rate, self.third_derivative)
+        self.velocities.append(float(self.weights @ values))
+        self.stage_curvature = float(self.curvature_weights @ values)
         self.append_rates(*self.stage_rates)
 
-    def fitted_velocity(self, velocity: np.ndarray, shear_rate: float, third: float) -> float:
-        """Return the velocity of the wall by the even fit to ``velocity`` (n,), with its u_y and u_yyy."""
+    def even_part(self, velocity: np.ndarray, shear_rate: float, third: float) -> np.ndarray:
+        """Return the even part of ``velocity`` (n,) at the points near the wall, with its u_y and u_yyy there."""
         odd = self.normal_sign * (shear_rate * self.distance + third * self.distance**3 / 6.0)
-        return float(self.weights @ (velocity[self.near] - odd))
+        return velocity[self.near] - odd
 
     def append_rates(self, rate: float, state_rate: np.ndarray, second_rate: np.ndarray) -> None:
         """Append e', C' and C_yy' of a stage, and the stress of the fluid at the wall."""
@@ -358,7 +379,7 @@ class MasslessWall(WallOfGivenStress):
         """Accept the step: its end is the start of the next."""
         super().conclude()
         self.state, self.second = self.stage_state, self.stage_second
-        self.rate, self.change = self.shear_rate, self.rates[-1]
+        self.rate, self.change, self.curvature = self.shear_rate, self.rates[-1], self.stage_curvature
         if not math.isfinite(self.rate):
             raise DivergedError("u: the shear rate at the stress-controlled wall is not finite")
 

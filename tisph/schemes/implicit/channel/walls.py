@@ -34,12 +34,13 @@ and the polymer stays at rest.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tisph.scenes._channel import Channel
-from tisph.schemes.implicit.channel.models import FluidModel, StressModel
+from tisph.schemes.implicit.channel.models import FluidModel, StressModel, at_factor
 from tisph.schemes.implicit.channel.stages import (
     GAMMA,
     B,
@@ -49,6 +50,7 @@ from tisph.schemes.implicit.channel.stages import (
     Series,
     Solution,
     explicit_part,
+    weighted,
 )
 
 TREATMENTS = "comoving_image", "consistent_image", "virtual_image"
@@ -56,6 +58,27 @@ TREATMENTS = "comoving_image", "consistent_image", "virtual_image"
 
 NEAR, TERMS = 0.1, 8
 """The derivatives of C at a wall when a run starts: width of the layer over the gap, terms of the polynomial in it."""
+
+
+@dataclass(frozen=True)
+class WallEffects:
+    """Effects of the temperature on the fluid at a wall: a body acceleration b along x, and the factor a of viscosity.
+
+    ``pull``, ``pull_rate``, ``pull_slope`` and ``pull_curvature``: b, b_t, b_y and b_yy. ``factor``, ``factor_slope``
+    and ``factor_curvature``: a, a_y and a_yy; the first None without an effect.
+    """
+
+    pull: float = 0.0
+    pull_rate: float = 0.0
+    pull_slope: float = 0.0
+    pull_curvature: float = 0.0
+    factor: float | None = None
+    factor_slope: float = 0.0
+    factor_curvature: float = 0.0
+
+
+ISOTHERMAL = (WallEffects(),) * len(C)
+"""The effects at a wall in the stages of a step where there are none."""
 
 
 class WallPair:
@@ -93,6 +116,11 @@ class WallPair:
         self.past = None
         for wall in self.walls:
             wall.enter(time)
+
+    def set_effects(self, effects: Sequence[Sequence[WallEffects]]) -> None:
+        """Set the ``effects`` of the temperature at the (bottom, top) wall in the stages of the next step."""
+        for wall, own in zip(self.walls, effects, strict=True):
+            wall.effects = own
 
     def begin(self, time: float, dt: float, near: np.ndarray | None, operators: ClosedOperators) -> None:
         """Begin a step of length ``dt`` at ``time``.
@@ -167,10 +195,10 @@ class WallPair:
         if not walls or any(one is None for one in sheared):
             return None if walls else solution
         (gamma_dt, tangent, _), (velocity, shear_rate, stress) = system, solution
-        viscosity, drive, count = walls[0].viscosity, self.channel.acceleration, len(walls)
+        viscosity, count = walls[0].viscosity, len(walls)
         right, (matrix, more) = np.zeros(count), np.zeros((2, count, count))
         for i, wall in enumerate(walls):
-            wall.total = wall.fitted_stress(viscosity * shear_rate + stress, wall.rate - drive)
+            wall.total = wall.fitted_stress(viscosity * shear_rate + stress, wall.driving)
             for j, rate in enumerate(sheared):
                 more[i, j] = wall.fitted_stress((viscosity + tangent) * rate, (i == j) / gamma_dt)
             matrix[i] = -wall.normal_sign * more[i]
@@ -218,7 +246,8 @@ class PrescribedWall:
         self.viscosity = channel.solvent_viscosity
         self.normal_sign = 1.0 if side == 0 else -1.0
         self.schedule: Any = (channel.bottom, channel.top)[side]
-        self.oscillates = self.schedule.oscillates
+        self.oscillates = self.schedule.oscillates or not channel.isothermal
+        self.effects: Sequence[WallEffects] = ISOTHERMAL
         self.jumps = self.first_jumps()
         self.series: list[Any] = []
         self.stress_series: list[Any] = []
@@ -252,17 +281,24 @@ class PrescribedWall:
         ``fluid`` (stages, components + 1): C and shear rate of the fluid at the wall in the stages.
         """
         if self.steady_series is None or self.oscillates:
-            self.steady_series = [self.series_at(time + c * dt) for c in C]
+            pairs = zip(C, self.effects, strict=True)
+            self.steady_series = [self.series_at(time + c * dt, effects) for c, effects in pairs]
         self.series, self.stress_series = self.steady_series, [(0.0, 0.0)] * len(C)
 
-    def series_at(self, time: float) -> Series:
-        """Return the ``Series`` 2 (U + d^2/2 u_yy + d^4/24 u_yyyy) at ``time``."""
+    def series_at(self, time: float, effects: WallEffects) -> Series:
+        """Return the ``Series`` 2 (U + d^2/2 u_yy + d^4/24 u_yyyy) at ``time``, with the ``effects`` then."""
         velocity = 2.0 * self.motion.velocity(time)
         if not self.obeys_momentum:
             return [velocity, 0.0, 0.0]
         nu = self.channel.kinematic_viscosity
-        second = (self.motion.acceleration(time) - self.channel.acceleration) / nu
-        return [velocity, second, self.motion.jerk(time) / nu**2 / 12.0]
+        second = (self.motion.acceleration(time) - self.channel.acceleration - effects.pull) / nu
+        driving_rate = self.motion.jerk(time) - effects.pull_rate - nu * effects.pull_curvature
+        return [velocity, second, driving_rate / nu**2 / 12.0]
+
+    @property
+    def mean_pull(self) -> float:
+        """Mean over the step of the acceleration by the temperature at the wall."""
+        return float(weighted(B, [effects.pull for effects in self.effects]))
 
     def acceleration(self, time: float) -> float:
         """Return the acceleration of the wall where the momentum equation at the wall contains it, else 0."""
@@ -349,11 +385,11 @@ class CoupledWall(PrescribedWall):
         self.series, self.stress_series = [], []
         rates: list[np.ndarray] = []
         third_rates: list[np.ndarray] = []
-        for stage, (c, values) in enumerate(zip(C, fluid, strict=True)):
-            system = WallSystem(GAMMA * dt if stage else 0.0, self.model, self.viscosity, values)
+        for stage, (c, values, effects) in enumerate(zip(C, fluid, self.effects, strict=True)):
+            system = WallSystem(GAMMA * dt if stage else 0.0, self.model, self.viscosity, values, effects)
             known = explicit_part(self.slope, stage, dt, rates), explicit_part(self.third, stage, dt, third_rates)
             motion, when = self.motion, time + c * dt
-            driving = motion.acceleration(when) - self.channel.acceleration, motion.jerk(when)
+            driving = motion.acceleration(when) - self.channel.acceleration - effects.pull, motion.jerk(when)
             derivatives, (rate, third_rate) = system.derivatives(*known, *driving)
             rates.append(rate)
             third_rates.append(third_rate)
@@ -384,7 +420,8 @@ class CoupledWall(PrescribedWall):
         """Apply a jump of velocity and acceleration; see ``PrescribedWall.apply_jump``."""
         nu, velocity_2 = self.viscosity, self.acceleration_response(operators)
         alone = self.velocity_response(operators, 0.0, velocity_2)  # the solvent alone
-        decay, stretching, stress, _ = self.model.jacobian(fluid[:-1], fluid[-1])
+        model = at_factor(self.model, nu, self.effects[0].factor)
+        decay, stretching, stress, _ = model.jacobian(fluid[:-1], fluid[-1])
         modulus, third_2 = float(stress @ stretching), stretching / nu**2
         fourth = -modulus / (6.0 * nu**3)  # by S_yyy, and by C_y in S_y
         sheared_2 = operators.boundary_gradient(one_sided(self.side, (0.0, 0.0, 1.0 / (12.0 * nu**2))))
@@ -407,34 +444,45 @@ class CoupledWall(PrescribedWall):
 class WallSystem:
     """The equations of C_y and u_yy, and of C_yyy and u_yyyy, in a stage, with the law's derivatives at the wall.
 
-    ``fluid`` (components + 1): C and shear rate of the fluid at the wall.
+    ``fluid`` (components + 1): C and shear rate of the fluid at the wall. By the factor a of the temperature
+
+        C_y' = F_C C_y + F_u' u_yy + F_a a_y,    S_y = S_C C_y + S_u' u_yy + S_a a_y .
     """
 
-    def __init__(self, gamma_dt: float, model: StressModel, viscosity: float, fluid: np.ndarray) -> None:
-        decay, self.stretching, self.stress, self.tangent = model.jacobian(fluid[:-1], fluid[-1])
-        self.gamma_dt, self.viscosity = gamma_dt, viscosity + self.tangent
+    def __init__(
+        self, gamma_dt: float, model: StressModel, viscosity: float, fluid: np.ndarray, effects: WallEffects
+    ) -> None:
+        local = at_factor(model, viscosity, effects.factor)
+        decay, self.stretching, self.stress, self.tangent = local.jacobian(fluid[:-1], fluid[-1])
+        self.gamma_dt, self.viscosity, self.effects = gamma_dt, viscosity + self.tangent, effects
         self.matrix = decay - np.outer(self.stretching, self.stress) / self.viscosity
+        self.state_by_factor, self.stress_by_factor = local.by_factor(fluid[:-1], fluid[-1])
 
-    def solve(self, known: np.ndarray, driving: float) -> tuple[np.ndarray, np.ndarray, float]:
-        """Solve C_y = ``known`` + g C_y' for given ``driving`` = nu_s u_yy + S_y; return C_y, C_y' and u_yy."""
-        source = self.stretching * driving / self.viscosity
+    def solve(self, known: np.ndarray, driving: float, factor_slope: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """Solve C_y = ``known`` + g C_y' for given ``driving`` = nu_s u_yy + S_y and a_y; return C_y, C_y', u_yy."""
+        driving = driving - self.stress_by_factor * factor_slope
+        source = self.stretching * driving / self.viscosity + self.state_by_factor * factor_slope
         slope = np.linalg.solve(np.eye(len(source)) - self.gamma_dt * self.matrix, known + self.gamma_dt * source)
         return slope, self.matrix @ slope + source, (driving - self.stress @ slope) / self.viscosity
 
     def derivatives(
-        self, known: np.ndarray, known_third: np.ndarray, driving: float, driving_rate: float
+        self, known: np.ndarray, known_third: np.ndarray, driving: float, driving_rate: float, thermal: float = 1.0
     ) -> tuple[tuple[Any, ...], tuple[np.ndarray, np.ndarray]]:
         """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) and (C_y', C_yyy').
 
-        ``driving``: nu_s u_yy + S_y = U' - g, and its time derivative ``driving_rate``.
+        ``driving``: nu_s u_yy + S_y = U' - g - b, and U'', the ``driving_rate`` without b_t. ``thermal``: part of the
+        effects of the temperature.
         """
-        slope, rate, second = self.solve(known, driving)
-        third, third_rate, fourth = self.solve(known_third, (driving_rate - self.stress @ rate) / self.viscosity)
-        stress = self.stress_slope(slope, second), self.stress_slope(third, fourth)
+        effects, factor_slope = self.effects, thermal * self.effects.factor_slope
+        slope, rate, second = self.solve(known, driving, factor_slope)
+        driving = (driving_rate - thermal * effects.pull_rate - self.stress @ rate) / self.viscosity
+        third, third_rate, fourth = self.solve(known_third, driving - thermal * effects.pull_curvature, 0.0)
+        stress_slope = self.stress_slope(slope, second) + self.stress_by_factor * factor_slope
+        stress = stress_slope, self.stress_slope(third, fourth)
         return (slope, third, second, fourth, *stress), (rate, third_rate)
 
     def stress_slope(self, slope: np.ndarray, curvature: float) -> float:
-        """Return S_y = S_C C_y + (dS/d shear rate) u_yy."""
+        """Return S_y = S_C C_y + (dS/d shear rate) u_yy, without the effect of the temperature."""
         return float(self.stress @ slope) + self.tangent * curvature
 
 

@@ -179,7 +179,7 @@ def layer_estimates(
         if time == channel.start_time:
             exact = channel.initial_velocity(layers.heights)
             samples.append(_sample_estimate(channel, layers.heights, time, 0, exact, 0.0))
-        elif layers.unknown or off_layers(config):
+        elif layers.unknown or off_layers(config) or not channel.isothermal:
             factors = GUESSED if layers.unknown or not reliable else DISORDERED
             samples.append(SampleEstimate(time, layers.steps, steps_reliable=reliable, steps_factors=factors))
         else:
@@ -191,8 +191,8 @@ def layer_estimates(
 
 
 def is_coupled(config: Config, channel: Channel) -> bool:
-    """Tell whether a stage is solved for the stress, or a wall, as well."""
-    return not config.fluid.newtonian or channel.seeks_wall_velocity
+    """Tell whether a stage is solved for the stress, a wall, or an acting temperature as well."""
+    return not config.fluid.newtonian or channel.seeks_wall_velocity or not channel.isothermal
 
 
 def off_layers(config: Config) -> bool:

@@ -57,7 +57,8 @@ TOLERANCE = 3e-7
 """Tolerance of a step where the config leaves it open."""
 
 FIRST_STEP = 0.25
-"""First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it."""
+"""First step in spacing^2 / nu, the time in which a wall that starts moves the layer next to it; or, where it is
+larger, over a diffusivity."""
 
 
 def step_control(config: Config, channel: Channel, targets: Sequence[float]) -> StepControl:
@@ -72,7 +73,8 @@ def step_control(config: Config, channel: Channel, targets: Sequence[float]) -> 
         first = config.time.cfl * channel.spacing / channel.reference_velocity
         limit = lambda _gradient: first  # noqa: E731
     else:
-        first = FIRST_STEP * channel.spacing**2 / channel.kinematic_viscosity
+        fastest = max(channel.kinematic_viscosity, *(each.diffusivity for each in channel.substances), 0.0)
+        first = FIRST_STEP * channel.spacing**2 / fastest
         strain = config.scheme.largest_strain
         limit = lambda gradient: strain / gradient if gradient > 0.0 else math.inf  # noqa: E731
     control = StepControl(tolerance, limit, fixed=config.time.cfl != "auto", jump_times=jump_times)

@@ -299,6 +299,7 @@ class ImplicitLayers:
         self.last_dt = dt
         self.flow = end
         self.step.conclude()
+        self.unknown = bool(self.step.substances.unbounded())
         self.time = control.end(self.time, dt)
         self.steps += 1
         if self.steps == MOST_STEPS // 2:

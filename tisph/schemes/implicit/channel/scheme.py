@@ -106,9 +106,10 @@ class ChannelScheme(ControlledScheme):
             self.apply_impulse()
         dt, _ = self.control.take(self.time, self.attempt)
         if dt is None:
-            raise self.diverged("u: no step is short enough")
+            raise self.diverged(f"{self.substances.involved}u: no step is short enough")
         self.accept(dt)
-        self.substances.require_bounded(self.particles.carried, self.control.dt_next)
+        if reason := self.substances.unbounded():
+            raise self.diverged(reason)
 
     def apply_impulse(self) -> None:
         """Apply the impulses of walls whose velocity, acceleration or stress jumps at the present time."""

@@ -161,8 +161,6 @@ def substance_problems(config: "Config") -> Iterator[Problem]:
                     yield f"{key}.{name.partition('.')[0]}", "must be finite at all places and times of the flow"
     if config.temperature:
         yield from _temperature_problems(config, config.temperature)
-    if config.parallel:
-        yield next(iter(sections)), "is for two-dimensional flow yet: take scene region in place of a channel"
 
 
 TAKEN = ("temperature", "x", "y", "u", "v", "w", "t", "step", "area", "density", "pressure", "passages", "bodies")

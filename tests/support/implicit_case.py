@@ -3,8 +3,7 @@
 import numpy as np
 from case_from_text import to_end
 
-from tisph import config, schemes
-from tisph.scenes.channel import Channel
+from tisph import config, scenes, schemes
 from tisph.schemes._estimate import ImplicitLayers
 from tisph.schemes.implicit import step_control
 
@@ -31,7 +30,7 @@ def channel_of(folder, text, overrides):
     """The config in ``text`` with ``overrides``, its scheme resolved, and its channel."""
     (folder / "case.yaml").write_text(text)
     settings = schemes.resolve(config.load(folder / "case.yaml", overrides))[0]
-    return settings, Channel.from_config(settings)
+    return settings, scenes.of(settings)
 
 
 def start_of_layers(settings, channel):

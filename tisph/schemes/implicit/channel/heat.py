@@ -159,14 +159,17 @@ class CarriedSubstances(NoSubstances):
         if start.factor is not None and not np.all(np.isfinite(start.factor)):
             low, high = self.present[0].min(), self.present[0].max()
             raise DivergedError(f"temperature: the viscosity has no value at all of {low:.6g} to {high:.6g},")
+        self.rates = np.zeros_like(self.present)
         if self.fitted is None:
-            self.rates = np.zeros_like(self.present)
             self.fitted = time, self.fit(0)
 
     def factor(self) -> np.ndarray | None:
-        """Return the factor (n,) of viscosity and relaxation times; None without an effect."""
-        with np.errstate(all="ignore"):  # steps without a value are rejected
-            return self.first.factor(self.present[0]) if self.first.law else None
+        """Return the factor (n,) of viscosity and relaxation times, NaN without a value; None without an effect."""
+        if not self.first.law:
+            return None
+        with np.errstate(all="ignore"):
+            found = self.first.factor(self.present[0])
+        return np.where((found > 0.0) & (found < np.inf), found, np.nan)
 
     def fit(self, stage: int) -> np.ndarray:
         """Return the unknown number at each wall in a ``stage``, and r there, of the present temperature (2, 2)."""
@@ -241,8 +244,9 @@ class CarriedSubstances(NoSubstances):
     def solve(self, known: FlowState, velocity: np.ndarray, shear_rate: Any, stress: Any, tolerance: float) -> bool:
         """Solve (9) in a stage; see ``NoSubstances.solve``."""
         self.find_rates(velocity, shear_rate, stress)
-        parts = zip(self.equations, self.known, self.rates, self.present, strict=True)
-        found = np.stack([each.solve(*part, self.stage, self.near, self.gamma_dt, tolerance) for each, *part in parts])
+        found = np.empty_like(self.present)
+        for each, values, *part in zip(self.equations, found, self.known, self.rates, self.present, strict=True):
+            values[...] = each.solve(part, self.stage, self.near, self.gamma_dt, tolerance)
         change = found[0] - self.present[0]
         settled = not self.acts or norm(change) <= tolerance * self.first.scale
         if not settled:
@@ -292,10 +296,8 @@ class CarriedSubstances(NoSubstances):
         usual = min([self.least, *self.first.factor(np.array(given))])
         if not self.factor().min() < RUNAWAY * usual:  # type: ignore[union-attr]
             return ""
-        text = (
-            "temperature: viscous heating lowers the viscosity without end, since the forces on the fluid stay; it is"
-        )
-        return f"{text} up to {self.present[0].max():.6g} {self.first.unit}"
+        highest = f"{self.present[0].max():.4g} {self.first.unit}".rstrip()
+        return f"u: the temperature has risen to {highest}, and heat is made faster than walls take it; no steady flow,"
 
     def seen(self, heights: np.ndarray, values: np.ndarray, time: float) -> dict[str, Any]:
         """Return the fields of a ``Snapshot``."""

@@ -19,7 +19,6 @@ from numpy.polynomial import polynomial
 
 from tisph.config.base import Problem
 from tisph.config.formula import FieldFormula
-from tisph.config.heat import Flux
 from tisph.errors import DivergedError
 from tisph.measures.substance import Substance
 from tisph.scenes._channel import Channel
@@ -95,7 +94,8 @@ class Equation:
 
     def series(self, stage: int, r: np.ndarray, near: "Sequence[NearWall]") -> list[Series]:
         """Return the ``Series`` of the images beyond both walls in a ``stage``."""
-        kappa, found = self.diffusivity, []
+        kappa = self.diffusivity
+        found: list[Series] = []
         for side, wall in enumerate(near):
             given, rate, second_rate = self.given[side][stage]
             r_wall, r_slope, r_curvature = wall.derivatives @ r[wall.points]
@@ -144,7 +144,8 @@ class Equation:
 
     def impulse(self) -> np.ndarray:
         """Return the change of T by the jumps at walls when the run starts; see ``walls.py`` for the terms."""
-        closed, kappa, total = self.closed, self.diffusivity, 0.0
+        closed, kappa = self.closed, self.diffusivity
+        total: Any = 0.0
         for side in range(2):
             jump, rate_jump = self.jump(side)
             first, second = (
@@ -155,16 +156,10 @@ class Equation:
         return total
 
     def solve(
-        self,
-        known: np.ndarray,
-        r: np.ndarray,
-        guess: np.ndarray,
-        stage: int,
-        near: Sequence[NearWall],
-        gamma_dt: float,
-        tolerance: float,
+        self, part: Sequence[np.ndarray], stage: int, near: Sequence[NearWall], gamma_dt: float, tolerance: float
     ) -> np.ndarray:
-        """Solve (1 - g kappa A) T = ``known`` + g r in a ``stage``; NaN where that fails."""
+        """Solve (1 - g kappa A) T = T_K + g r in a ``stage``, with the ``part`` T_K, r and a guess; NaN on failure."""
+        known, r, guess = part
         right = known + gamma_dt * (self.diffusivity * self.at_walls(stage, r, near) + r)
         found = self.closed.solve(gamma_dt, None, right, guess, tolerance)
         return np.full_like(known, np.nan) if found is None else found
@@ -185,9 +180,9 @@ def x_dependence(config: Any) -> Iterator[Problem]:
     length, gap = config.extent
     x, y = (each.ravel() for each in np.meshgrid(np.linspace(0.0, length, PLACES), np.linspace(0.0, gap, PLACES)))
     for key, section in carried(config).items():
-        given = {"initial": section.initial, "source": section.source}
-        for name, value in section.walls.items():
-            given[f"walls.{name}"] = value.flux if isinstance(value, Flux) else value
+        given: dict[str, Any] = {"initial": section.initial, "source": section.source}
+        conditions: dict[str, Any] = section.walls
+        given |= {f"walls.{name}": getattr(value, "flux", value) for name, value in conditions.items()}
         for name, value in given.items():
             for time in (config.start_time, config.time.end):
                 values = FieldFormula(value)(x, y, time).reshape(PLACES, PLACES)

@@ -169,7 +169,7 @@ class ThermalModel:
         S(C, u_y) = S_1(C, a u_y) + (a - 1) nu_s u_y,    F(C, u_y) = F_1(C, a u_y)/a.
     """
 
-    def __init__(self, base: "ViscoelasticModel | InelasticModel", viscosity: float, factor: Any) -> None:
+    def __init__(self, base: "StressModel", viscosity: float, factor: Any) -> None:
         self.base, self.viscosity, self.factor = base, viscosity, factor
 
     def shear_stress(self, state: np.ndarray, shear_rate: Any) -> Any:
@@ -210,13 +210,8 @@ class ThermalModel:
         """Shear the states at once by ``strain``."""
         self.base.apply_shear(state, strain)
 
-    @property
-    def components(self) -> int:
-        """Number of states."""
-        return self.base.components
 
-
-StressModel = ViscoelasticModel | InelasticModel | ThermalModel
+StressModel = ViscoelasticModel | InelasticModel
 """Response of an extra stress."""
 
 

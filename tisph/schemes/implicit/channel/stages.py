@@ -106,16 +106,15 @@ class ClosedOperators:
         """Return the part of D u that the boundary values of the images contribute."""
         return self.boundary("d_dy", series)
 
-    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return the indices of points near the wall ``side``, their distances from it, and two sets of weights.
+    def even_fit(self, side: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the indices of points near the wall ``side``, their distances from it, and their weights.
 
-        The weighted sums of values are the value at the wall of the even polynomial that fits them best, and its
-        second derivative.
+        The weighted sum of values is the value at the wall of the even polynomial that fits them best.
         """
         points, distance, radius = self.near_wall(side)
         near = np.flatnonzero(distance < radius)
-        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))
-        return points[near], distance[near], weights[0], 2.0 / radius**2 * weights[1]
+        weights = np.linalg.pinv((distance[near, None] / radius) ** np.array(EVEN_POWERS))[0]
+        return points[near], distance[near], weights
 
     def wall_values(self, values: np.ndarray) -> np.ndarray:
         """Return ``values`` (quantities, n) extrapolated to each wall (2, quantities).

@@ -67,7 +67,7 @@ class WallOfGivenStress(CoupledWall):
         """Begin a step; see ``PrescribedWall.begin``."""
         self.dt, self.gamma_dt = dt, GAMMA * dt
         self.stress_of = self.control.after(time).stress
-        self.near, self.distance, self.weights, self.curvature_weights = operators.even_fit(self.side)
+        self.near, self.distance, self.weights = operators.even_fit(self.side)
         self.velocities: list[float] = [self.velocity]
         self.stresses: list[float] = []
         self.rates: list[float] = []
@@ -228,17 +228,17 @@ class MasslessWall(WallOfGivenStress):
     """A stress-controlled wall without a mass.
 
     ``state`` and ``second`` (components,): C and C_yy of the fluid at the wall. ``rate`` and ``change``: the shear rate
-    e there and its time derivative. ``curvature``: u_yy there at the end of the last step.
+    e there and its time derivative.
     """
 
     even_reflection = True
-    kept = "state", "second", "rate", "change", "curvature", "velocity", "displacement"
+    kept = "state", "second", "rate", "change", "velocity", "displacement"
 
     def forget(self) -> None:
         """Return to a wall at rest beside a fluid in which C is 0."""
         super().forget()
         self.state, self.second = np.zeros((2, self.model.components))
-        self.rate = self.change = self.curvature = 0.0
+        self.rate = self.change = 0.0
 
     def initialise(self, derivatives: Sequence[np.ndarray]) -> None:
         """Set the derivatives of orders 0 to 3 of C along y at the wall (4, components)."""
@@ -339,7 +339,9 @@ class MasslessWall(WallOfGivenStress):
         fluid = np.append(self.stage_state, self.shear_rate)
         system = WallSystem(self.gamma_dt, self.model, self.viscosity, fluid, self.effect)
         by_both = system.viscosity / (self.effect.factor or 1.0)  # of the stress by shear rate and factor
-        self.mixed_term = 2.0 * by_both * self.effect.factor_slope * self.curvature
+        thermal = self.effect.pull + system.stress_by_factor * self.effect.factor_slope
+        curvature = -(self.channel.acceleration + thermal) / system.viscosity  # without U', which is not known
+        self.mixed_term = 2.0 * by_both * self.effect.factor_slope * curvature
         return system
 
     def balance(self, guess: float) -> None:
@@ -354,15 +356,13 @@ class MasslessWall(WallOfGivenStress):
 
     def close(self, velocity: np.ndarray) -> None:
         """End an implicit stage with these velocities of the fluid (n,)."""
-        values = self.even_part(velocity, self.shear_rate, self.third_derivative)
-        self.velocities.append(float(self.weights @ values))
-        self.stage_curvature = float(self.curvature_weights @ values)
+        self.velocities.append(self.fitted_velocity(velocity, self.shear_rate, self.third_derivative))
         self.append_rates(*self.stage_rates)
 
-    def even_part(self, velocity: np.ndarray, shear_rate: float, third: float) -> np.ndarray:
-        """Return the even part of ``velocity`` (n,) at the points near the wall, with its u_y and u_yyy there."""
+    def fitted_velocity(self, velocity: np.ndarray, shear_rate: float, third: float) -> float:
+        """Return the velocity of the wall by the even fit to ``velocity`` (n,), with its u_y and u_yyy."""
         odd = self.normal_sign * (shear_rate * self.distance + third * self.distance**3 / 6.0)
-        return velocity[self.near] - odd
+        return float(self.weights @ (velocity[self.near] - odd))
 
     def append_rates(self, rate: float, state_rate: np.ndarray, second_rate: np.ndarray) -> None:
         """Append e', C' and C_yy' of a stage, and the stress of the fluid at the wall."""
@@ -379,7 +379,7 @@ class MasslessWall(WallOfGivenStress):
         """Accept the step: its end is the start of the next."""
         super().conclude()
         self.state, self.second = self.stage_state, self.stage_second
-        self.rate, self.change, self.curvature = self.shear_rate, self.rates[-1], self.stage_curvature
+        self.rate, self.change = self.shear_rate, self.rates[-1]
         if not math.isfinite(self.rate):
             raise DivergedError("u: the shear rate at the stress-controlled wall is not finite")
 

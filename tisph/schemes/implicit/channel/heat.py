@@ -37,6 +37,9 @@ KEPT_ITERATES = 4
 DIFFERENCE = 1e-5
 """Step of numerical derivatives of the viscosity's exponent, over the scale of T."""
 
+ROUND_OFF = 4.0
+"""Change of T in an iteration, over its scale and in units of round-off, that counts as none."""
+
 RUNAWAY = 1e-3
 """Viscosity in a flow under given forces, over the smallest one at its start and its walls, below which it heats
 without end: in steady flows of Newtonian fluids with an exponential law the ratio is above 0.3."""
@@ -65,6 +68,10 @@ class NoSubstances:
     def effects(self) -> Sequence[Sequence[WallEffects]]:
         """Return the effects of T at the (bottom, top) wall in the stages of a step."""
         return ISOTHERMAL, ISOTHERMAL
+
+    def attainable(self, tolerance: float) -> float:
+        """Return the ``tolerance`` of stress and temperature in a stage, or the round-off of what acts on it."""
+        return tolerance
 
     def begin_rates(self, start: FlowState) -> None:
         """Set the rates of T at the ``start`` of a step, whose shear rates and stresses are known."""
@@ -211,6 +218,10 @@ class CarriedSubstances(NoSubstances):
             a = float(np.exp(here))
         return WallEffects(*pull, a, a * first * slope, a * ((first**2 + second) * slope**2 + first * curvature))
 
+    def attainable(self, tolerance: float) -> float:
+        """Return the ``tolerance`` of a stage, at least round-off where T acts on the flow."""
+        return max(tolerance, ROUND_OFF * self.operators.round_off) if self.acts else tolerance
+
     def begin_rates(self, start: FlowState) -> None:
         """Set the rates of T at the ``start`` of a step."""
         self.find_rates(start.velocity, start.shear_rate, start.stress)
@@ -248,7 +259,7 @@ class CarriedSubstances(NoSubstances):
         for each, values, *part in zip(self.equations, found, self.known, self.rates, self.present, strict=True):
             values[...] = each.solve(part, self.stage, self.near, self.gamma_dt, tolerance)
         change = found[0] - self.present[0]
-        settled = not self.acts or norm(change) <= tolerance * self.first.scale
+        settled = not self.acts or norm(change) <= self.attainable(tolerance) * self.first.scale
         if not settled:
             self.iterates = [*self.iterates, (self.present[0], change)][-KEPT_ITERATES:]
             found[0] = mixed(self.iterates)

@@ -310,6 +310,7 @@ class ClosedParticleOperators(ClosedOperators):
         self.operators, self.ghosts, self.points = operators, reflection.ghosts, operators.points
         self.reflection, self.channel, self.diffusivity = reflection, channel, diffusivity
         self.coupled = coupled
+        self.round_off = float(np.finfo(view(operators.laplacian).dtype).eps)
         self.solver: Any = (CoupledSolver if coupled else ViscousSolver)(operators, reflection, channel)
         self.values, self.found = ti.field(real(), self.points.slots + 1), self.points.field(real())
         self.both = ti.field(ti.types.vector(2, real()), self.points.capacity)

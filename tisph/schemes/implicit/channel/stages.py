@@ -79,6 +79,9 @@ class ClosedOperators:
     diffusivity: float
     """Factor of A in the linear systems: the solvent viscosity, or the diffusivity of another field."""
 
+    round_off = float(np.finfo(float).eps)
+    """Round-off of the numbers, over their size."""
+
     def of_field(self, even: Sequence[bool], diffusivity: float) -> "ClosedOperators":
         """Return the operators of another field, which the (bottom, top) wall reflects evenly or oddly."""
         raise NotImplementedError

@@ -161,7 +161,7 @@ class ImplicitStep:
                 velocity, shear_rate, stress = solution
                 settled = substances.solve(known, velocity, shear_rate, stress, tolerance)
                 flow = extra.respond(velocity, shear_rate, known, flow.state, gamma_dt)
-                if settled and extra.converged(flow, stress, tolerance):
+                if settled and extra.converged(flow, stress, substances.attainable(tolerance)):
                     break
             else:
                 return None, math.inf

@@ -277,7 +277,7 @@ class ImplicitLayers:
 
     def _apply_impulse(self) -> None:
         near, substances = self.step.extra_stress.wall_values(self.flow), self.step.substances
-        substances.start(self.time)
+        substances.forget(self.time)
         substances.begin(self.flow, self.time, self.control.dt_next)
         self.walls.set_effects(substances.effects())
         self.walls.apply_impulse(self.flow, self.time, self.operators, near)

@@ -23,7 +23,6 @@ from tisph.scenes._spacing import spacing_problems
 from tisph.scenes._substances import substance_problems
 from tisph.schemes import unsupported, unused
 from tisph.schemes._protocol import Scheme, SchemeEstimates
-from tisph.schemes.implicit.channel.heat_walls import x_dependence
 from tisph.schemes.implicit.channel.step import TOLERANCE, step_control
 from tisph.schemes.implicit.channel.walls import TREATMENTS
 
@@ -122,7 +121,6 @@ def problems(config: Config) -> Iterator[Problem]:
     if (config.temperature or config.scalars) and not config.walls.treatment.obeys_momentum:
         text = "must be consistent_image with a temperature or dissolved substances"
         yield "walls.treatment.type", f"{text}: only its images follow from the equations at the wall"
-    yield from x_dependence(config)
 
 
 def _problems_in_two_dimensions(config: Config) -> Iterator[Problem]:

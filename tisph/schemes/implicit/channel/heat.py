@@ -26,6 +26,7 @@ from tisph.schemes.implicit.channel.stages import (
     ClosedOperators,
     FlowState,
     explicit_part,
+    hermite,
     norm,
     weighted,
 )
@@ -39,6 +40,9 @@ DIFFERENCE = 1e-5
 
 ROUND_OFF = 4.0
 """Change of T in an iteration, over its scale and in units of round-off, that counts as none."""
+
+RESOLVED = 4.0
+"""Thickness of a layer at a wall, in spacings, from which on fits give the flow through the wall."""
 
 RUNAWAY = 1e-3
 """Viscosity in a flow under given forces, over the smallest one at its start and its walls, below which it heats
@@ -59,8 +63,11 @@ class NoSubstances:
         """Return T (substances, n) at ``heights`` (n,) when the run starts."""
         return np.zeros((0, len(heights)))
 
-    def start(self, time: float) -> None:
-        """Return to the start of a run, or to a jump of the walls: nothing before this ``time`` is extrapolated."""
+    def reset(self) -> None:
+        """Return to the start of a run."""
+
+    def forget(self, time: float) -> None:
+        """Extrapolate nothing from before a jump of the walls at this ``time``."""
 
     def begin(self, start: FlowState, time: float, dt: float) -> None:
         """Begin a step of length ``dt`` at ``time`` with the flow at its ``start``."""
@@ -127,7 +134,9 @@ class CarriedSubstances(NoSubstances):
     """The substances of a ``channel``; ``walls`` and ``operators`` of the velocities.
 
     ``present`` (substances, n): T of the present iterate; ``rates``: r. ``fitted``: a time, and for each wall the slope
-    at given T, or T at a given flux, and r there; ``past``: the same at the end of the step before.
+    at given T, or T at a given flux, and r there; ``past``: these numbers at the end of the step before.
+    ``received`` (4, substances): amounts that the fluid has received since the start of the run, at both ends of the
+    ``last_step`` (its start and length), and their rates there.
     """
 
     def __init__(self, channel: Channel, operators: ClosedOperators, walls: WallPair) -> None:
@@ -141,15 +150,21 @@ class CarriedSubstances(NoSubstances):
         self.involved = "temperature, " if self.acts else ""
         self.forced = channel.driven_side is not None or channel.acceleration != 0.0
         self.least = self.first.factor(self.initial(np.linspace(0.0, channel.gap, channel.rows))[0]).min()
-        self.start(channel.start_time)
+        self.reset()
 
     def initial(self, heights: np.ndarray) -> np.ndarray:
         """Return T (substances, n) when the run starts."""
         start = self.channel.start_time
         return np.stack([each.initial(np.zeros_like(heights), heights, start) for each in self.channel.substances])
 
-    def start(self, time: float) -> None:
-        """Extrapolate nothing from before."""
+    def reset(self) -> None:
+        """Return to the start of a run."""
+        self.forget(self.channel.start_time)
+        self.received, self.last_step = np.zeros((4, len(self.equations))), (self.channel.start_time, 0.0)
+
+    def forget(self, time: float) -> None:
+        """Extrapolate nothing from before a jump."""
+        self.jump_time = time
         self.fitted: Any = None
         self.past: Any = None
 
@@ -227,6 +242,23 @@ class CarriedSubstances(NoSubstances):
         self.find_rates(start.velocity, start.shear_rate, start.stress)
         parts = zip(self.equations, self.present, self.rates, strict=True)
         start.substance_rates = np.stack([each.rate(values, r, self.near) for each, values, r in parts])
+        self.gains: list[np.ndarray] = []
+        self.add_gains(start.substance_rates)
+
+    def add_gains(self, rates: np.ndarray) -> None:
+        """Append the amounts that the fluid receives in a time in the present stage, where T has these ``rates``.
+
+        While the layers that jumps have left at walls are thin, the amount is the one by which T rises.
+        """
+        age, gains, channel = self.time + C[self.stage] * self.dt - self.jump_time, [], self.channel
+        for each, values, r, rate in zip(self.equations, self.present, self.rates, rates, strict=True):
+            starts = each.jumps or (each.substance.heating and self.walls.any_jump)
+            thickness = math.sqrt(min(each.diffusivity, channel.kinematic_viscosity) * age)
+            if starts and thickness < RESOLVED * channel.spacing:
+                gains.append(each.substance.capacity * channel.length * channel.gap * float(rate.mean()))
+            else:
+                gains.append(each.gain(self.stage, self.near, values, r))
+        self.gains.append(np.array(gains))
 
     def find_rates(self, velocity: np.ndarray, shear_rate: Any, stress: Any) -> None:
         """Set r in the present stage by the velocity, and the shear rate and extra stress that belong to it."""
@@ -270,6 +302,7 @@ class CarriedSubstances(NoSubstances):
     def end_stage(self, flow: FlowState) -> None:
         """Set T and its rates in the ``flow`` at the end of a stage."""
         flow.substances, flow.substance_rates = self.present, (self.present - self.known) / self.gamma_dt
+        self.add_gains(flow.substance_rates)
 
     def with_errors(self, error: float, flows: Sequence[FlowState], residual: float) -> float:
         """Return the error with the errors of T; see ``NoSubstances.with_errors``."""
@@ -282,6 +315,9 @@ class CarriedSubstances(NoSubstances):
     def conclude(self) -> None:
         """Accept the step: its end is the start of the next."""
         self.past, self.fitted = self.fitted, (self.time + self.dt, self.fit(-1))
+        end = self.received[1] + self.dt * weighted(B, self.gains)
+        self.received = np.stack([self.received[1], end, self.gains[0], self.gains[-1]])
+        self.last_step = self.time, self.dt
 
     def measure(self, slope: np.ndarray, curvature: np.ndarray) -> None:
         """Set the derivatives of T on particles at the end of a step."""
@@ -296,7 +332,10 @@ class CarriedSubstances(NoSubstances):
     def apply_impulse(self, flow: FlowState) -> None:
         """Change T by the jumps at walls when the run starts."""
         if self.time == self.channel.start_time:
-            flow.substances = flow.substances + np.stack([each.impulse() for each in self.equations])
+            changes = np.stack([each.impulse() for each in self.equations])
+            flow.substances = flow.substances + changes
+            capacities = np.array([each.capacity for each in self.channel.substances])
+            self.received[:2] += self.channel.gap * self.channel.length * capacities * changes.mean(axis=1)
 
     def unbounded(self) -> str:
         """Return a text if forces heat the fluid without end; see ``NoSubstances.unbounded``."""
@@ -315,17 +354,23 @@ class CarriedSubstances(NoSubstances):
         names = [each.name for each in self.channel.substances]
         parts = zip(self.equations, values, strict=True)
         flows = np.array([[each.flow(side, heights, one, time) for side in range(2)] for each, one in parts])
-        return {"substances": dict(zip(names, values.copy(), strict=True)), "flows": flows}
+        start, dt = self.last_step
+        received = hermite((time - start) / dt, dt, *self.received) if dt else self.received[1]
+        return {"substances": dict(zip(names, values.copy(), strict=True)), "flows": flows, "received": received}
 
     def host_state(self) -> dict[str, Any]:
         """Return the numbers that a resumed run needs."""
-        pairs = {"fitted": self.fitted, "past": self.past}
+        pairs = {
+            "fitted": self.fitted,
+            "past": self.past,
+            "last_step": ((*self.last_step, self.jump_time), self.received),
+        }
         return {name: pair and [pair[0], pair[1].tolist()] for name, pair in pairs.items()}
 
     def restore_host_state(self, state: Mapping[str, Any]) -> None:
         """Restore the numbers of ``host_state``."""
-        for name, pair in state.items():
-            setattr(self, name, pair and (pair[0], np.array(pair[1])))
+        pairs = {name: pair and (pair[0], np.array(pair[1])) for name, pair in state.items()}
+        self.fitted, self.past, ((*self.last_step, self.jump_time), self.received) = pairs.values()
 
 
 def mixed(iterates: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

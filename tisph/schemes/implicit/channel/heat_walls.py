@@ -11,18 +11,15 @@ are those of a polynomial that fits r near it. A condition that differs from the
 wall, as a jump of the velocity does (``walls.py``).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
 
-from tisph.config.base import Problem
-from tisph.config.formula import FieldFormula
 from tisph.errors import DivergedError
 from tisph.measures.substance import Substance
 from tisph.scenes._channel import Channel
-from tisph.scenes._substances import carried
 from tisph.schemes.implicit.channel.stages import EVEN_POWERS, FIT_TERMS, C, ClosedOperators, Series
 from tisph.schemes.implicit.channel.walls import NEAR, TERMS, one_sided
 
@@ -39,9 +36,6 @@ CUBIC = np.linalg.inv(NODES[:, None] ** np.arange(4))
 
 SAME = 1e-10
 """Difference over the size of values, up to which they count as equal."""
-
-PLACES = 9
-"""Places along each axis at which formulas are checked."""
 
 
 class NearWall:
@@ -126,6 +120,14 @@ class Equation:
         second = (rate - r_wall) / self.diffusivity
         return float(wall.odd @ (near - given - second / 2.0 * distance**2)), float(r_wall)
 
+    def gain(self, stage: int, near: Sequence[NearWall], values: np.ndarray, r: np.ndarray) -> float:
+        """Return the amount that the fluid receives in a time in a ``stage`` through walls, and by r (n,)."""
+        channel, slopes = self.channel, 0.0
+        for side, wall in enumerate(near):
+            fitted = self.given[side][stage][0] if self.even[side] else self.fit(side, stage, wall, values, r)[0]
+            slopes += float(fitted)
+        return self.substance.capacity * channel.length * (channel.gap * float(r.mean()) - self.diffusivity * slopes)
+
     def jump(self, side: int) -> tuple[float, float]:
         """Return the jump at a wall when the run starts: of T and of its rate, or of T_d and 0."""
         channel, time = self.channel, self.channel.start_time
@@ -173,20 +175,3 @@ class Equation:
             powers = distance[near, None] ** np.array(FLOW_POWERS)
             slope = float(np.linalg.lstsq(powers, values[near] - slope, rcond=None)[0][0])
         return -self.substance.capacity * self.diffusivity * slope * channel.length
-
-
-def x_dependence(config: Any) -> Iterator[Problem]:
-    """Yield an error for every formula of the ``config`` of a parallel flow whose value depends on x."""
-    length, gap = config.extent
-    x, y = (each.ravel() for each in np.meshgrid(np.linspace(0.0, length, PLACES), np.linspace(0.0, gap, PLACES)))
-    for key, section in carried(config).items():
-        given: dict[str, Any] = {"initial": section.initial, "source": section.source}
-        conditions: dict[str, Any] = section.walls
-        given |= {f"walls.{name}": getattr(value, "flux", value) for name, value in conditions.items()}
-        for name, value in given.items():
-            for time in (config.start_time, config.time.end):
-                values = FieldFormula(value)(x, y, time).reshape(PLACES, PLACES)
-                if np.ptp(values, axis=1).max() > SAME * np.abs(values).max():
-                    text = "must not depend on x in parallel flow, whose velocities and temperatures depend on y alone"
-                    yield f"{key}.{name}", text
-                    break

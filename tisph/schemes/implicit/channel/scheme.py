@@ -38,7 +38,7 @@ from tisph.schemes.implicit.channel.operators import (
     MirrorGhosts,
     Reflection,
 )
-from tisph.schemes.implicit.channel.stages import EMBEDDED_ORDER, B, C, FlowState, weighted
+from tisph.schemes.implicit.channel.stages import EMBEDDED_ORDER, B, C, FlowState, hermite, weighted
 from tisph.schemes.implicit.channel.step import SOLVER_TOLERANCE, WORST, ImplicitStep, NoExtraStress
 from tisph.schemes.implicit.channel.stress_controlled import wall_pair_of
 from tisph.schemes.implicit.channel.walls import WallPair
@@ -89,7 +89,7 @@ class ChannelScheme(ControlledScheme):
         self.reset_steps(self.channel.start_time)
         self.velocity_sum, self.wall_impulse, self.pull_impulse = 0.0, [0.0, 0.0], 0.0
         self.walls.enter(self.time)
-        self.substances.start(self.time)
+        self.substances.reset()
 
     def start(self, position: np.ndarray, velocity: np.ndarray, _stress: np.ndarray | None = None) -> None:
         """Place the particles: ``position`` and ``velocity`` (particles, 2); the channel gives the states C."""
@@ -115,7 +115,7 @@ class ChannelScheme(ControlledScheme):
         """Apply the impulses of walls whose velocity, acceleration or stress jumps at the present time."""
         self.particles.arrange(0.0)
         flow = self.particles.flow()
-        self.substances.start(self.time)
+        self.substances.forget(self.time)
         self.substances.begin(flow, self.time, self.control.dt_next)
         self.walls.set_effects(self.substances.effects())
         self.add_impulse(self.walls.apply_impulse(flow, self.time, self.closed, self.extra_stress.wall_values(flow)))
@@ -421,15 +421,6 @@ class Particles:
             fields = *velocities, self.start_position, self.log_volume
             self.read = [view(field)[self.fluid].astype(float) for field in fields]
         return self.read
-
-
-def hermite(
-    theta: Any, dt: float, start: np.ndarray, end: np.ndarray, start_rate: np.ndarray, end_rate: np.ndarray
-) -> np.ndarray:
-    """Return at the part ``theta`` of a step of ``dt`` the cubic with these values and time derivatives at its ends."""
-    late = theta * theta * (3.0 - 2.0 * theta)
-    change = dt * theta * (1.0 - theta) * ((1.0 - theta) * start_rate - theta * end_rate)
-    return (1.0 - late) * start + late * end + change
 
 
 class WallForce:

@@ -184,6 +184,15 @@ def stage_predictors() -> np.ndarray:
     return weights
 
 
+def hermite(
+    theta: Any, dt: float, start: np.ndarray, end: np.ndarray, start_rate: np.ndarray, end_rate: np.ndarray
+) -> np.ndarray:
+    """Return at the part ``theta`` of a step of ``dt`` the cubic with these values and time derivatives at its ends."""
+    late = theta * theta * (3.0 - 2.0 * theta)
+    change = dt * theta * (1.0 - theta) * ((1.0 - theta) * start_rate - theta * end_rate)
+    return (1.0 - late) * start + late * end + change
+
+
 def norm(values: np.ndarray) -> float:
     """Return the root mean square of ``values`` (n,)."""
     return float(np.sqrt(np.mean(np.square(values))))

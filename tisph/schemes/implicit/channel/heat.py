@@ -86,7 +86,7 @@ class NoSubstances:
     def begin_stage(self, stage: int, flows: Sequence[FlowState], known: FlowState) -> None:
         """Predict T in an implicit ``stage`` from the ``flows`` before, and set the factor in ``known``."""
 
-    def driven(self, source: np.ndarray) -> np.ndarray:
+    def with_pull(self, source: np.ndarray) -> np.ndarray:
         """Return a ``source`` of velocity with the acceleration by T."""
         return source
 
@@ -280,7 +280,7 @@ class CarriedSubstances(NoSubstances):
         self.iterates: list[tuple[np.ndarray, np.ndarray]] = []
         known.factor = self.factor()
 
-    def driven(self, source: np.ndarray) -> np.ndarray:
+    def with_pull(self, source: np.ndarray) -> np.ndarray:
         """Return a ``source`` of velocity with the acceleration by T."""
         return source + self.buoyancy * (self.present[0] - self.first.reference) if self.buoyancy else source
 

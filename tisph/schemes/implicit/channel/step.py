@@ -137,7 +137,7 @@ class ImplicitStep:
         walls.set_effects(substances.effects())
         walls.begin(time, dt, extra.wall_values(start), operators)
         extra.begin(start)
-        source = substances.driven(extra.source(start.stress, 0))
+        source = substances.with_pull(extra.source(start.stress, 0))
         start.velocity_rate = self.viscosity * operators.laplacian(start.velocity) + source
         substances.begin_rates(start)
         flows = [start]
@@ -153,7 +153,7 @@ class ImplicitStep:
             flow = extra.respond(velocity, shear_rate, known, flows[-1].state, gamma_dt)
             for _ in range(MOST_ITERATIONS):
                 stress, boundary = extra.linearise(flow, stage)
-                right = known.velocity + gamma_dt * substances.driven(extra.source(stress, stage))
+                right = known.velocity + gamma_dt * substances.with_pull(extra.source(stress, stage))
                 velocity = operators.solve(gamma_dt, flow.tangent, right, flow.velocity, tolerance)  # (8)
                 solution = extra.solution(velocity, flow, boundary, gamma_dt, tolerance)
                 if solution is None:

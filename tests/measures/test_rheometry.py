@@ -14,6 +14,7 @@ import tisph
 from tisph import cli, registry, scenes, simulation
 from tisph.config.loader import loaded
 from tisph.errors import ConfigError
+from tisph.exact.heat import ExponentialCouette
 from tisph.exact.linear_viscoelasticity import (
     Spectrum,
     apparent_viscosity,
@@ -484,3 +485,32 @@ def test_start_ups_make_one_flow_curve(tmp_path):
     assert fast[3] == pytest.approx(fast[4], rel=1e-3)
     assert "unsteady at the rate 5:" in table[3]  # it ends after one relaxation time
     assert (tmp_path / "steady_shear.png").stat().st_size > 10_000
+
+
+HEATED = """
+scene: channel
+fluid: {density: 1.0, dynamic_viscosity: 1.0}
+geometry: {gap: 0.1, length: 0.2}
+walls: {top: {times: [0.0, 20.0], velocities: [0.0, 3.0]}}
+temperature:
+  conductivity: 1.0
+  heat_capacity: 1.0
+  viscous_heating: true
+  walls: {top: 0.0, bottom: 0.0}
+  viscosity: {type: exponential, coefficient: 1.0}
+time: {end: 20.0}
+"""
+
+
+def test_a_flow_curve_shows_what_heating_takes_from_the_viscosity(tmp_path):
+    """Stresses of Nahme's closed form are those of steady flow with heating, to the 1e-9 of its solver."""
+    path = tmp_path / "heated.yaml"
+    path.write_text(HEATED)
+    config, rate = loaded(path, {}), 30.0 * np.linspace(0.0, 1.0, 41)[1:]
+    stress = [ExponentialCouette(0.1, 1.0, 1.0, 1.0, 0.1 * float(one)).stress for one in rate]
+    table = {"t": rate / 1.5, "wall_shear_top": np.array(stress), "strain": rate}
+    reading = read(config, scenes.of(config), table)
+    assert reading.numbers["off_reference"] < 1e-8
+    assert reading.numbers["nahme_number"] == pytest.approx(9.0)
+    assert reading.numbers["lowered_by_heat"] == pytest.approx(1.0 - stress[-1] / 30.0)
+    assert {curve[1] for curve in reading.curves} == {"run", "steady flow with heating", "without heating"}

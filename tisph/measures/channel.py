@@ -143,9 +143,10 @@ WALL_RADIUS = 5.0
 def wall_shear(channel: ChannelFlow, snapshot: Snapshot) -> tuple[float, float]:
     """Return the shear stress (bottom, top) of the particles, averaged along the walls [mass/(length time^2)].
 
-    It is the total stress, density * solvent viscosity * du/dy + S_xy.
+    It is the total stress, density * solvent viscosity * du/dy + S_xy. Where viscosity and relaxation times have the
+    factor a of the temperature at the wall, a shear rate has the stress that the law gives for a times this rate.
     """
-    found = []
+    found, temperature = [], channel.temperature
     for side, (wall, slip_length) in enumerate(zip(channel.pair, channel.slip_lengths, strict=True)):
         near, powers = _powers(channel, side, snapshot)
         u, weight, sign = snapshot.u[near], powers[:, 0], -1.0 if side else 1.0
@@ -157,7 +158,11 @@ def wall_shear(channel: ChannelFlow, snapshot: Snapshot) -> tuple[float, float]:
             rate = _fitted(powers, weight * u)[1]
         else:
             rate = _fitted(powers[:, 1:], weight * (u - wall.velocity(snapshot.t)))[0]
-        stress = channel.viscous_stress(sign * rate / (WALL_RADIUS * channel.spacing))
+        rate = sign * rate / (WALL_RADIUS * channel.spacing)
+        if temperature and temperature.law:
+            at_wall = _fitted(powers, weight * snapshot.field(temperature.name)[near])[:1]
+            rate = rate * float(temperature.factor(at_wall)[0])
+        stress = channel.viscous_stress(rate)
         if channel.polymer is not None:
             stress += _fitted(powers[:, :3], weight * snapshot.stress_xy[near])[0]  # type: ignore[index]
         found.append(stress)

@@ -94,14 +94,16 @@ class History(StateObserver):
         """Add the references."""
         times, values = read_history(self.path, len(self.more))
         exact = self.time_series.exact(times) if len(times) else None
-        if exact is None:
-            return
-        names = list(self.time_series.exact_columns)
-        if self.extra_series:
+        names, columns = [], np.empty((len(times), 0))
+        if exact is not None:
+            names, columns = [*self.time_series.exact_columns], np.broadcast_to(exact, (len(times), exact.shape[-1]))
+        if self.extra_series and len(times):
             names += self.extra_series.final_columns
             final = self.extra_series.final(times, values[:, len(self.time_series.columns) :])
-            exact = np.hstack([np.broadcast_to(exact, (len(times), exact.shape[-1])), final])
-        more = [",".join(map(_digits, row)) for row in exact]
+            columns = np.hstack([columns, final])
+        if not names:
+            return
+        more = [",".join(map(_digits, row)) for row in columns]
         lines = self.path.read_text(encoding="utf-8").splitlines()[-len(more) :]
         text = "".join(f"{line},{rest}\n" for line, rest in zip(lines, more, strict=True))
         with replaced(self.path) as new:

@@ -19,14 +19,17 @@ Suspensions and viscometers around an axis are evaluated at the end of a run (``
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from tisph.config.schema import Config
-from tisph.errors import ConfigError
+from tisph.errors import ConfigError, UnsolvedError
 from tisph.exact._fluids import Rheology
+from tisph.exact.heated_shear import HeatedShear
+from tisph.exact.heated_shear import Wall as SteadyWall
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
 from tisph.exact.uniform_shear import REMEMBERED, UniformShear
 from tisph.geometry.motion import Schedule
@@ -63,6 +66,7 @@ ringing_frequency_run ringing_frequency_reference ringing_frequency_linear_theor
 ringing_damping_reference ringing_damping_linear_theory wall_stress rate flow_rate apparent_rate velocity
 wall_factor reynolds viscosity area_fraction relative_viscosity_walls relative_viscosity_walls_error
 relative_viscosity_bodies relative_viscosity_bodies_error relative_viscosity_contacts contacts
+nahme_number lowered_by_heat
 """
 NUMBERS = frozenset(NAMES.split())
 """Names of the numbers of all readings."""
@@ -294,6 +298,8 @@ def read(config: Config, scene: Scene, table: Table, contacts: Any = None, last:
         return read_viscometer(config.scene, scene, table, last)
     if isinstance(scene, Cell) and scene.has_free_bodies:
         return read_suspension(scene, table, contacts)
+    if not scene.isothermal and not isinstance(scene, Channel):
+        raise ConfigError("its temperature acts on the flow: such a flow is read in a parallel channel alone")
     fluid = spectrum(config.fluid.rheology, scene)
     if isinstance(scene, Annulus):
         plane, wall, table = as_plane(scene, table)
@@ -312,8 +318,87 @@ def read(config: Config, scene: Scene, table: Table, contacts: Any = None, last:
     wall, (side,) = getattr(scene, moving[0]), moving
     sign = 1.0 if side == "top" else -1.0  # stress and strain of a lower wall have the other sign
     shears = {name.replace(f"_{side}", ""): sign * values for name, values in table.items() if "shear" in name}
+    if not scene.isothermal:
+        return _heated(config, scene, wall, {**table, **shears})
     plane = Sheared(scene, scene.gap, scene.top, scene.apparent_viscosity)
     return _by_velocity(config, plane, fluid, wall, {**table, **shears, "strain": table["strain"], "t": table["t"]})
+
+
+def _steady_heated(config: Config, flow: Channel, rates: np.ndarray, time: float) -> np.ndarray:
+    """Return the stresses (n,) of steady flow with heating at nominal shear ``rates`` (n,); NaN where there are none.
+
+    Walls have the temperatures or fluxes of the ``time``. Of two solutions at a rate it is the colder one.
+    """
+    heat, rheology = flow.temperature, config.fluid.rheology
+    if heat is None or rheology.carries_stress:
+        return np.full(len(rates), np.nan)
+    law, none = rheology.law(flow.kinematic_viscosity, flow.density), np.zeros(1)
+
+    def viscosity(temperature: Any, rate: Any) -> Any:
+        factor = heat.factor(temperature)
+        return flow.density * factor * law.viscosity((factor * rate) ** 2)
+
+    def wall(number: int, speed: float) -> SteadyWall:
+        condition, place = heat.conditions[number], np.array([flow.gap * number])
+        if condition.value:
+            return SteadyWall(float(condition.value(none, place, time)[0]), speed=speed)
+        return SteadyWall(None, float(condition.flux(none, place, time)[0]) if condition.flux else 0.0, speed=speed)
+
+    stresses = np.full(len(rates), np.nan)
+    for index, rate in enumerate(rates):
+        walls = wall(0, 0.0), wall(1, float(rate) * flow.gap)
+        conductivity = heat.capacity * heat.diffusivity
+        steady = HeatedShear((0.0, flow.gap), walls, viscosity, conductivity, heating=bool(heat.heating))
+        with suppress(UnsolvedError, ValueError):
+            stresses[index] = float(steady.steady().shear_stress(flow.gap))
+    return stresses
+
+
+def _heated(config: Config, flow: Channel, wall: Any, table: Table) -> Reading:
+    """Return the flow curve of a fluid that heats up: of the run, of steady flow with heating, and without.
+
+    Without heating the law is at the reference temperature. The Nahme number is a tau U/k with the stress tau without
+    heating, and a the change of the logarithm of the viscosity with the temperature.
+    """
+    from scipy.interpolate import PchipInterpolator  # few readings need it
+
+    heat, law, t = flow.temperature, uniform_shear(config.fluid.rheology, flow), table["t"]
+    assert heat is not None
+    rate = np.asarray(wall.velocity(t) / flow.gap) + 0.0 * t
+    fastest = float(np.abs(rate).max())
+    judged = np.flatnonzero((np.abs(rate) >= FASTEST * fastest) & (t > 0.0))
+    rows = judged[np.linspace(0, len(judged) - 1, SHOWN).astype(int)]
+    different, place = np.unique(np.abs(rate[rows]).round(12), return_inverse=True)
+    warm, cold = _steady_heated(config, flow, different, float(t[-1])), [law.steady(one)[0] for one in different]
+    stresses = {
+        "run": np.abs(table["wall_shear"][rows]),
+        "steady, heated": warm[place],
+        "no heating": np.array(cold)[place],
+    }
+    shown = {name: stress / np.abs(rate[rows]) for name, stress in stresses.items()}
+    columns = {"rate": rate[rows], **shown}
+    lines = ["viscosity, stress at the moving wall over the nominal shear rate"]
+    lines += at_rows(t[rows], columns, np.arange(len(rows)))
+    last = int(np.argmax(np.abs(rate[rows])))
+    sensitivity = abs(heat.sensitivity) if heat.law else 0.0
+    nahme = sensitivity * cold[-1] * fastest * flow.gap**2 / (heat.capacity * heat.diffusivity)
+    lowered = 1.0 - float(shown["run"][last] / shown["no heating"][last])
+    lines.append(f"  heat lowers the viscosity by {100 * lowered:.3g} % at the fastest rate, Nahme number {nahme:.4g}")
+    numbers = {"fastest_rate": fastest, "nahme_number": float(nahme), "lowered_by_heat": lowered}
+    axis = Axes("shear rate", "viscosity", ("rate", "viscosity"), logarithmic=True)
+    with np.errstate(all="ignore"):
+        run = np.abs(table["wall_shear"] / rate)
+    curves = [
+        (axis, "run", np.abs(rate[judged]), run[judged], "."),
+        (axis, "without heating", different, cold / different, "--"),
+    ]
+    if np.isfinite(warm).all():
+        numbers["off_reference"] = _largest(shown["run"], shown["steady, heated"], np.arange(len(rows)))
+        lines.append(f"  the run differs from steady flow with heating by {numbers['off_reference']:.2e} at most")
+        smooth = np.geomspace(different[0], different[-1], POINTS)
+        between = PchipInterpolator(np.log(different), warm / different)
+        curves.append((axis, "steady flow with heating", smooth, between(np.log(smooth)), "-"))
+    return Reading("flow curve of a fluid that heats up", lines, numbers, curves)
 
 
 def _by_velocity(config: Config, plane: Sheared, fluid: Spectrum, wall: Any, table: Table) -> Reading:

@@ -423,10 +423,10 @@ class Channel(ChannelFlow, Scene):
         """Series of rheometry: stress at the walls, their velocities, N1 of a polymer, mean over the fluid, and strain.
 
         The strain is the displacement of the upper wall relative to the lower one, over the gap. The displacement of a
-        stress-controlled wall is the integral of the velocities that the particles show. None for a Newtonian fluid
-        between walls that neither are stress-controlled nor follow a schedule.
+        stress-controlled wall is the integral of the velocities that the particles show. None for a Newtonian fluid of
+        constant viscosity between walls that neither are stress-controlled nor follow a schedule.
         """
-        plain = self.polymer is None and self.rheology is None
+        plain = self.polymer is None and self.rheology is None and self.isothermal
         if plain and not any(wall.stress_controlled or wall.jump_times for wall in self.pair):
             return None
         columns = [f"{name}_{side}" for name in ("wall_shear", "wall_velocity") for side in SIDES]
@@ -444,14 +444,16 @@ class Channel(ChannelFlow, Scene):
                 integral(times, values[:, 2 + side]) if wall.stress_controlled else wall.displacement(times)
                 for side, wall in enumerate(self.pair)
             ]
-            exact = [*self.exact_wall_shear(times), *(wall.velocity(times) for _, wall in reversed(self.walls))]
             strain = (ways[1] - ways[0]) / self.gap
+            if not self.isothermal:
+                return strain[:, None]
+            exact = [*self.exact_wall_shear(times), *(wall.velocity(times) for _, wall in reversed(self.walls))]
             return np.column_stack([strain, *(np.where(np.isfinite(one), one, np.nan) for one in exact)])
 
         return ExtraSeries(
             columns=[*columns, "n1_mean"] if self.polymer else columns,
             measure=measure,
-            final_columns=["strain", *(f"{name}_exact" for name in columns)],
+            final_columns=["strain", *(f"{name}_exact" for name in columns if self.isothermal)],
             final=final,
         )
 

@@ -192,6 +192,11 @@ class FlowInBox(FlowDefaults):
         return found is None or not (found.law or found.expansion)
 
     @property
+    def comparable(self) -> bool:
+        """Whether references of the flow hold: they are of flow at one temperature."""
+        return self.isothermal
+
+    @property
     def linear(self) -> bool:
         """Whether flows of the fluid in a channel add up: it is Newtonian or an Oldroyd-B fluid."""
         return self.rheology is None or self.rheology.type == "oldroyd_b"

@@ -59,7 +59,7 @@ def sample_metrics(
     }
     numbers = {}
     for key, value in diagnostics.items():
-        if key.endswith("_exact") and not scene.isothermal:  # a reference of the flow at one temperature
+        if key.endswith("_exact") and not scene.comparable:  # a reference of the flow at one temperature
             continue
         if key != "step" and not isinstance(value, bool | str):
             value = float(value) if value is not None and np.isfinite(value) else None

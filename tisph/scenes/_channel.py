@@ -22,6 +22,9 @@ import numpy as np
 from tisph.config.motion import slip_length_of
 from tisph.config.schema import Config
 from tisph.exact._fluids import Rheology, fluid_of
+from tisph.exact.heated_shear import HeatedShear
+from tisph.exact.heated_shear import StartUp as HeatedStartUp
+from tisph.exact.heated_shear import Wall as HeatedWall
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
 from tisph.exact.start_up import Flow, StartUp, Wall, slipping
 from tisph.exact.uniform_shear import UniformShear
@@ -29,6 +32,7 @@ from tisph.geometry.motion import Schedule, StressControlledMotion, StressContro
 from tisph.measures.channel import ChannelFlow, Probes, integral, interpolate, wall_shear, wall_velocity
 from tisph.measures.flow import PolymerParameters
 from tisph.measures.metrics import fit_line, relative_difference
+from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.scenes._scene import Scene, age
 from tisph.scenes._views import ExtraSeries, Line, Profile, TimeSeries
 from tisph.snapshot import STRESSES, Snapshot
@@ -50,6 +54,33 @@ def _solved(
     rheology: Rheology | None, kinematic_viscosity: float, density: float, flow: Flow, before: Flow | None
 ) -> StartUp:
     return StartUp(fluid_of(rheology, kinematic_viscosity, density), flow, before)
+
+
+@lru_cache(maxsize=8)
+def _heated(
+    gap: float, bottom: Any, top: Any, density: float, viscosity: float, acceleration: float, heat: Substance
+) -> HeatedStartUp:
+    """Return the flow of a Newtonian fluid from rest, with its temperature, between walls of given motion."""
+
+    def wall(motion: Any, condition: Condition) -> HeatedWall:
+        given: Any = condition.value or condition.flux
+        held = {"temperature": given.given} if condition.value else {"temperature": None, "heat_flux": given.given}
+        return HeatedWall(speed=lambda t: float(motion.velocity(t)), **held)
+
+    flow = HeatedShear(
+        (0.0, gap),
+        (wall(bottom, heat.conditions[0]), wall(top, heat.conditions[1])),
+        lambda temperature, rate: density * viscosity * heat.factor(temperature),
+        heat.capacity * heat.diffusivity,
+        density,
+        heat.capacity / density,
+        density * acceleration,
+        density * float(heat.buoyancy[0]),
+        heat.reference,
+        heating=bool(heat.heating),
+    )
+    breaks = {float(time) for motion in (bottom, top) for time in motion.jump_times if time > 0.0}
+    return HeatedStartUp(flow, float(heat.initial.given), sorted(breaks))
 
 
 def wall_of(wall: Any) -> WallMotion | StressControlledWall | Schedule:
@@ -126,9 +157,36 @@ class Channel(ChannelFlow, Scene):
     @property
     def fields(self) -> tuple[str, ...]:
         """The velocity along x, and the stresses of a polymer."""
-        if not self.isothermal:
+        if not self.comparable:
             return ()
-        return ("u", *STRESSES) if self.polymer else ("u",)
+        known = ("u", *STRESSES) if self.polymer else ("u",)
+        return (*known, TEMPERATURE) if self._heated_flow else known
+
+    @property
+    def comparable(self) -> bool:
+        """See ``FlowInBox.comparable``: of a fluid that heats up from rest, with constant conditions, flow is known."""
+        return self.isothermal or self._heated_flow is not None
+
+    @property
+    def _heated_flow(self) -> HeatedStartUp | None:
+        """Velocity and temperature of a Newtonian fluid at rest at first, where walls have constant conditions."""
+        heat, rest = self.temperature, self.initial_state == "rest" and self.start_time == 0.0
+        plain = self.rheology is None and not self.seeks_wall_velocity
+        if heat is None or not (rest and plain and self.inertia):
+            return None
+        formulas = [heat.initial, *(condition.value or condition.flux for condition in heat.conditions)]
+        if heat.has_source or any(formula is None or isinstance(formula.given, str) for formula in formulas):
+            return None
+        return _heated(self.gap, self.bottom, self.top, self.density, self.kinematic_viscosity, self.acceleration, heat)
+
+    def _of_heated_flow(self, name: str, y: Any, t: Any) -> np.ndarray:
+        """Return the velocity, temperature or shear stress, by its ``name``, of the heated flow; they broadcast."""
+        flow: Any = self._heated_flow
+        y, t = np.broadcast_arrays(np.asarray(y, dtype=float), np.asarray(t, dtype=float))
+        found = np.empty(y.shape)
+        for time in np.unique(t):
+            found[t == time] = getattr(flow.at(float(time)), name)(y[t == time])
+        return found
 
     # Scales -----------------------------------------------------------------------------------------------------------
 
@@ -312,10 +370,15 @@ class Channel(ChannelFlow, Scene):
         """Return the exact value of one of ``fields``, which do not depend on ``x``."""
         if field == "u":
             return self.exact_velocity(y, t)
+        if field == TEMPERATURE:
+            return self._of_heated_flow(TEMPERATURE, y, t) + np.zeros(np.shape(x))
         return self.exact_polymer_stress(y, t)[STRESSES.index(field)]
 
     def exact_velocity(self, y: Any, t: Any) -> np.ndarray:
         """Return the exact velocity along x at heights ``y`` and times ``t`` (they broadcast), on the run's clock."""
+        if not self.isothermal and self._heated_flow:
+            later = np.asarray(t) > 0.0  # at the start walls move, and the fluid does not
+            return np.where(later, self._of_heated_flow("velocity", y, np.where(later, t, 1.0)), 0.0)
         return self._flow.velocity(y, t)
 
     def exact_wall_shear(self, t: Any) -> tuple[Any, Any]:
@@ -325,6 +388,9 @@ class Channel(ChannelFlow, Scene):
         """
         # both walls in one call: each time is costly, a height is not
         walls = np.reshape([0.0, self.gap], (2, *[1] * np.ndim(t)))
+        if not self.isothermal and self._heated_flow:
+            bottom, top = np.where(np.asarray(t) > 0.0, self._of_heated_flow("shear_stress", walls, t), np.nan)
+            return bottom, top
         bottom, top = self.density * self._flow.shear_stress(walls, t)
         return bottom, top
 
@@ -445,7 +511,7 @@ class Channel(ChannelFlow, Scene):
                 for side, wall in enumerate(self.pair)
             ]
             strain = (ways[1] - ways[0]) / self.gap
-            if not self.isothermal:
+            if not self.comparable:
                 return strain[:, None]
             exact = [*self.exact_wall_shear(times), *(wall.velocity(times) for _, wall in reversed(self.walls))]
             return np.column_stack([strain, *(np.where(np.isfinite(one), one, np.nan) for one in exact)])
@@ -453,7 +519,7 @@ class Channel(ChannelFlow, Scene):
         return ExtraSeries(
             columns=[*columns, "n1_mean"] if self.polymer else columns,
             measure=measure,
-            final_columns=["strain", *(f"{name}_exact" for name in columns if self.isothermal)],
+            final_columns=["strain", *(f"{name}_exact" for name in columns if self.comparable)],
             final=final,
         )
 
@@ -501,7 +567,7 @@ class Channel(ChannelFlow, Scene):
     def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
         """Return values that span the range of a ``profile`` to time ``end``, wall velocities included."""
         found = [*profile.extremes(self.start_time, end)]
-        if profile.unit == "stress":
+        if profile.unit != "velocity":
             return found
         times = np.linspace(self.start_time, end, _WALL_TIMES)
         walls = [wall for _, wall in reversed(self.walls)]

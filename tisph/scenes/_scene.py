@@ -94,7 +94,7 @@ class Scene(FlowInBox):
 
     def compared(self, view: Shown) -> Shown:
         """Return a profile or time series, without its reference where the temperature acts on the flow."""
-        return view if self.isothermal else view.without_reference()
+        return view if self.comparable else view.without_reference()
 
     def reference_for(self, name: str, assumptions: Mapping[str, bool]) -> Reference:
         """Return a reference with its ``assumptions``, which a temperature that acts on the flow breaks."""

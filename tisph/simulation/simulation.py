@@ -48,8 +48,7 @@ class Simulation:
     the velocity at all times: it takes the place of the equations for velocity and pressure, and may return du/dx,
     du/dy, dv/dx, dv/dy after u and v. The source of the conformation tensor [1/time] has xx, xy, yy, in axisymmetric
     flow xx, xr, rr, tt, xt, rt. With a function there is no reference; where functions alone move the fluid, give
-    ``reference.velocity``. Scheme ``implicit`` removes the divergence of an initial velocity in two-dimensional flow; a
-    warning says so where that changes it.
+    ``reference.velocity``. In two-dimensional flow the divergence of an initial velocity is removed, with a warning.
 
     With ``discretisation.refine: auto`` the first run goes on at once, and ``config`` has the places that it found.
 

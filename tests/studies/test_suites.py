@@ -18,8 +18,8 @@ from tisph.studies.suites import Suite
 
 STOPPED = Result(Path(), {"status": "diverged", "samples": []})
 WHOLE = [suites.whole(False), suites.whole(True)]
-LONG = [suites.ours(name, long=True) for name in ("cavity", "free_bodies")]
-EACH = pytest.mark.parametrize("suite", [*WHOLE, *LONG], ids=["whole", "quick", "cavity", "free_bodies"])
+LONG = [suites.ours(name, long=True) for name in ("cavity", "free_bodies", "heat")]
+EACH = pytest.mark.parametrize("suite", [*WHOLE, *LONG], ids=["whole", "quick", "cavity", "free_bodies", "heat"])
 
 
 def rows(suite, case, words=""):

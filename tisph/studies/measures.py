@@ -18,6 +18,7 @@ from tisph.measures.channel import integral
 from tisph.measures.fits import interpolated
 from tisph.measures.metrics import relative_difference
 from tisph.results import open_run
+from tisph.studies import heat
 from tisph.studies.expressions import Number
 from tisph.studies.processes import Result
 
@@ -307,6 +308,7 @@ MEASURES: dict[str, Callable[..., float]] = {
         stated_error,
     )
 }
+MEASURES |= heat.MEASURES
 """Value of ``measure`` in a suite -> function."""
 
 

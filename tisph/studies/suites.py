@@ -35,7 +35,7 @@ FOLDER = Path(__file__).parents[1] / "suites"
 PARTS = (
     *("couette", "channel", "viscoelastic", "rheologies", "rheometry", "implicit", "two_dimensional"),
     *("circular_couette", "cavity", "bodies", "free_bodies", "axisymmetric", "two_dimensional_inelastic"),
-    *("two_dimensional_polymers", "open_ends", "estimates"),
+    *("two_dimensional_polymers", "open_ends", "heat", "estimates"),
 )
 """Suites of ``tisph verify``, in the order of its table."""
 

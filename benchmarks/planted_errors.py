@@ -23,6 +23,7 @@ STEP, COORDINATES = "implicit/planar/equations.py", "implicit/planar/time_levels
 POLYMER = "implicit/planar/viscoelastic_stress.py"
 ENDS, BODIES, LIMITS = (f"implicit/planar/{name}.py" for name in ("open_ends", "free_bodies", "step_limits"))
 ROWS, PASSING = "test_open_ends::test_the_outlets_rows", "test_open_ends::test_particles_pass_evenly"
+HEAT = "implicit/planar/transport.py"
 BALL, SOLVED = "test_slow_flow::test_without_inertia_the_force", "test_scatter_of_steps::test_errors_of_a_solution"
 
 ERRORS = {
@@ -48,6 +49,12 @@ ERRORS = {
     "upper-convected, shear": ("annulus_oldroyd_b", LOG + ".py", "2.0 * scaled * strain", "1.9 * scaled * strain"),
     "upper-convected, with swirl": ("pipe_oldroyd_b", LOG + "_with_swirl.py", "* scaled -", "* 0.95 * scaled -"),
     "power law": ("square_power_law", "../rheology/power_law.py", "0.5 * (par", "0.48 * (par"),
+    "conduction of heat": ("heated_pipe", HEAT, "dt * each.diff", "dt * 0.95 * each.diff"),
+    "viscous heating": ("heated_pipe", HEAT, "each.heating * power", "0.95 * each.heating * power"),
+    "source of heat": ("heated_box", HEAT, "(each.source(", "(0.95 * each.source("),
+    "heat through a wall": ("heated_box", HEAT, "-condition.flux", "-0.95 * condition.flux"),
+    "buoyancy": ("heated_box", HEAT, "values - each.ref", "0.95 * values - each.ref"),
+    "viscosity at a temperature": ("heated_pipe", HEAT, "result * each.factor(values)", "each.factor(0.95 * values)"),
     "slope at an outlet": (ROWS, ENDS, "outlet_slope = support", "outlet_slope = 0.95 * support"),
     "particles that are due": (PASSING, ENDS, "self.due + gained", "self.due + 1.03 * gained"),
     "fluid that bodies displace": (BALL, BODIES, "inertia.displaced * acc", "inertia.displaced * 0.98 * acc"),

@@ -1,16 +1,18 @@
 """Manufactured solutions: chosen flows, driven by the body force that makes them solve the equations.
 
 ``suites/manufactured.yaml`` chooses a velocity u without divergence that obeys no slip, from a stream function psi, a
-pressure p per unit density, and for polymers a conformation tensor A. sympy derives the body force f and the source Q
-of the conformation,
+pressure p per unit density, for polymers a conformation tensor A, and for heated fluids a temperature T. sympy derives
+the body force f, the source Q of the conformation and the source H of the temperature,
 
-    f = Du/Dt + grad p - div T,    T = 2 nu D + S,    D = (L + L^T)/2,    L = grad u,
-    Q = DA/Dt - L A - A L^T + (A - 1)/lambda,    S = nu_p/lambda (A - 1) of an Oldroyd-B fluid,
+    f = Du/Dt + grad p - div S - b,    S = 2 nu D + S_p,    D = (L + L^T)/2,    L = grad u,
+    Q = DA/Dt - L A - A L^T + (A - 1)/lambda,    S_p = nu_p/lambda (A - 1) of an Oldroyd-B fluid,
+    H = DT/Dt - k/(rho c) lap T - 2 nu D:D/c,    b = -beta (T - T_0) g,
 
-with nu = nu(2 D:D) of a power law. Axisymmetric tensors have the components along x, along r and around the axis, and
-derivatives along paths turn with the axes. Flows start from rest and grow with time. They run through the public
-interface, ``tisph.Simulation(config, body_force=..., conformation_source=...)``. Source of the method: P. J. Roache, J.
-Fluids Eng. 124 (2002) 4-10.
+with nu = a(T) nu_0(a(T)^2 2 D:D) of a power law, a(T) being the factor of the viscosity. Axisymmetric tensors have the
+components along x, along r and around the axis, and derivatives along paths turn with the axes. Flows start from rest
+and grow with time. They run through the public interface, ``tisph.Simulation(config, body_force=...,
+conformation_source=...)``; H and the conditions of T at walls are formulas in the config. Source of the method: P. J.
+Roache, J. Fluids Eng. 124 (2002) 4-10.
 """
 
 import math
@@ -39,6 +41,8 @@ CASES, QUICK, END = DATA["cases"], DATA["quick"], DATA["end"]
 FLUID = merged(*(DATA["configs"][name]["fluid"] for name in ("all", "polymer")))
 DENSITY, RELAXATION_TIME = FLUID["density"], FLUID["rheology"]["relaxation_time"]
 MODULUS = (1 - FLUID["rheology"]["solvent_fraction"]) * FLUID["kinematic_viscosity"] / RELAXATION_TIME
+HEAT = DATA["configs"]["heated"]["temperature"]
+DIFFUSIVITY = HEAT["conductivity"] / (DENSITY * HEAT["heat_capacity"])
 
 
 def sympy() -> Any:
@@ -72,15 +76,50 @@ class Solution:
             self.velocity = found["psi"].diff(y), -found["psi"].diff(x), 0
         else:
             self.velocity = found["u"], found["v"], 0
+        if "temperature" in found:
+            found["heat_source"] = self._heat_source(found["temperature"])
+
+    def _heat_source(self, T: Any) -> Any:
+        """Return the source H of a temperature, an expression that is finite on the axis."""
+        sp, (x, y, t) = sympy(), self.symbols
+        u, around = [sp.expand(each) for each in self.velocity], T.diff(y) / y if self.axisymmetric else 0
+        strain = self._strain(sp.Matrix(u)).applyfunc(sp.expand)
+        power = (self._viscosity(strain) * 2 * strain * strain).trace()
+        conduction = DIFFUSIVITY * sp.expand(T.diff(x, 2) + T.diff(y, 2) + around)
+        return T.diff(t) + u[0] * T.diff(x) + u[1] * T.diff(y) - conduction - power / HEAT["heat_capacity"]
+
+    def _strain(self, u: Any) -> Any:
+        """Return the rate of strain D (3, 3) of a velocity."""
+        gradient, _ = self._gradient(u)
+        return (gradient + gradient.T) / 2
+
+    def _viscosity(self, strain: Any) -> Any:
+        """Return the viscosity at a rate of strain D (3, 3) and the temperature."""
+        factor = sympy().exp(-HEAT["viscosity"]["coefficient"] * self._warmth)
+        return factor * self.expressions["viscosity"].subs("D2", 2 * factor**2 * (strain * strain).trace())
+
+    @property
+    def _warmth(self) -> Any:
+        """Temperature above the reference; 0 without a temperature."""
+        return self.expressions.get("temperature", HEAT["reference"]) - HEAT["reference"]
+
+    def formulas(self, section: dict[str, Any]) -> dict[str, Any]:
+        """Return a ``section`` of a config with the formulas of expressions in place of their names."""
+        found = dict(section)
+        for key, value in section.items():
+            if isinstance(value, dict):
+                found[key] = self.formulas(value)
+            elif isinstance(value, str) and value in self.expressions:
+                found[key] = str(self.expressions[value])
+        return found
 
     def fields(self) -> dict[str, Callable]:
-        """Return functions of arrays x, y and a time: ``velocity``, ``pressure``, ``stress``, ``force``, ``source``."""
+        """Return functions of x, y and a time by name: velocity, pressure, temperature, stress, force and source."""
         sp, (x, y, t) = sympy(), self.symbols
         u, pressure, found = sp.Matrix(self.velocity), self.expressions["pressure"], {}
         gradient, turn = self._gradient(u)
-        strain = (gradient + gradient.T) / 2
-        viscosity = self.expressions["viscosity"].subs("D2", 2 * (strain * strain).trace())
-        stress = 2 * viscosity * strain
+        strain = self._strain(u)
+        stress = 2 * self._viscosity(strain) * strain
 
         def along_path(field: Any) -> Any:
             return field.diff(t) + u[0] * field.diff(x) + u[1] * field.diff(y)
@@ -95,6 +134,9 @@ class Solution:
             found["stress"] = DENSITY * MODULUS * excess
         push = sp.Matrix([pressure.diff(x), pressure.diff(y), 0])
         found["force"] = along_path(u) + turn * u + push - self._divergence(stress)
+        found["force"] += HEAT["expansion"] * self._warmth * sp.Matrix([*HEAT["gravity"], 0])
+        if "temperature" in self.expressions:
+            found["temperature"] = sp.Matrix([self.expressions["temperature"]])
         found |= {"velocity": u, "pressure": sp.Matrix([DENSITY * pressure])}
         return {name: self._function(field) for name, field in found.items()}
 
@@ -135,6 +177,8 @@ def config_of(case: str, number: int, balanced: bool = False) -> dict[str, Any]:
     if balanced:
         own["time"] |= {"tolerance": "auto", "cfl": "auto"}
     config = merged(*(DATA["configs"][name] for name in ("all", *CASES[case]["config"])), own)
+    if "temperature" in config:
+        config["temperature"] = _solution(case).formulas(config["temperature"])
     if case == "rounded":
         config["walls"]["around"]["points"] = _rounded_outline()
     if "refine" in CASES[case]:
@@ -182,16 +226,22 @@ def run(case: str, number: int, balanced: bool = False) -> tuple[Result, str]:
 
 
 @cache
+def _solution(case: str) -> Solution:
+    return Solution(case)
+
+
+@cache
 def _fields(case: str) -> dict[str, Callable]:
-    return Solution(case).fields()
+    return _solution(case).fields()
 
 
 def _errors(snapshot: Snapshot, fields: dict[str, Callable], reference: Scene | None = None) -> dict[str, float]:
-    """Return relative L2 errors: ``l2`` of the velocity, ``l2_pressure`` and ``l2_stress`` of fields other than 0."""
+    """Return relative L2 errors: ``l2`` of the velocity; of pressure, temperature and stress where these are not 0."""
     x, y, t = snapshot.x.astype(float), snapshot.y.astype(float), snapshot.t
+    numbers = snapshot.substances or {}
 
     def off(names: Sequence[str], solution: Callable) -> float:
-        values = np.array([getattr(snapshot, name) for name in names], dtype=float)
+        values = np.array([numbers.get(name, getattr(snapshot, name, None)) for name in names], dtype=float)
         exact = np.array([np.broadcast_to(each, x.shape) for each in solution(x, y, t)])
         if reference:
             exact = exact + [reference.exact(name, x, y, t) for name in names]
@@ -204,6 +254,8 @@ def _errors(snapshot: Snapshot, fields: dict[str, Callable], reference: Scene | 
     found = {"l2": off("uvw" if swirls else "uv", fields["velocity"])}
     if np.ptp(fields["pressure"](x, y, t)[0]):
         found["l2_pressure"] = off(["pressure"], fields["pressure"])
+    if "temperature" in fields:
+        found["l2_temperature"] = off(["temperature"], fields["temperature"])
     if "stress" in fields:
         found["l2_stress"] = off([*STRESSES, *(STRESSES_AROUND if swirls else ())], fields["stress"])
     return found
@@ -242,8 +294,10 @@ def criteria(quick: bool) -> list[Criterion]:
 
 def bounds(case: str, quick: bool) -> Iterator[Criterion]:
     """Yield the bounds of one case."""
-    named, orders = _named(case, quick), CASES[case].get("orders", DATA["orders"])
-    for quantity, bound, least in zip(("l2", "l2_pressure", "l2_stress"), CASES[case]["bounds"], orders, strict=False):
+    heated = "heated" in CASES[case]["config"]
+    named, orders = _named(case, quick), CASES[case].get("orders", DATA["heated_orders" if heated else "orders"])
+    quantities = "l2", "l2_pressure", "l2_temperature" if heated else "l2_stress"
+    for quantity, bound, least in zip(quantities, CASES[case]["bounds"], orders, strict=False):
         if not quick:
             entry = {"run": list(named)[-1], "t_star": END, "at_most": {quantity: bound}}
             yield from checks.criteria(entry, {*named})

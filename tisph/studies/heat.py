@@ -13,6 +13,7 @@ from tisph.exact.heat import rotating_mode
 from tisph.exact.heated_shear import HeatedShear, StartUp, Wall
 from tisph.exact.passive_scalar import Dispersion, Entrance, parabola
 from tisph.measures.fits import interpolated, local_fits, periodic_tree, with_walls
+from tisph.measures.flow import FlowInBox
 from tisph.measures.heat import integral, walls_of
 from tisph.measures.substance import TEMPERATURE, Substance
 from tisph.results import open_run
@@ -189,7 +190,7 @@ def _wave_rate(
     return expected + cmath.log(amplitudes[1] / amplitudes[0] * cmath.exp(-expected * time)) / time
 
 
-def _sheared(scene: Any) -> HeatedShear:
+def _sheared(scene: FlowInBox) -> HeatedShear:
     """Return the exact flow of a ``scene`` with two walls, or with the wall of a pipe."""
     each: Substance = scene.substances[0]
     geometry = "along" if scene.axisymmetric else "around" if isinstance(scene, annulus.Scene) else "plates"
@@ -230,7 +231,7 @@ def _sheared(scene: Any) -> HeatedShear:
     )
 
 
-def _at_wall(scene: Any, snapshot: Snapshot, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _at_wall(scene: FlowInBox, snapshot: Snapshot, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the temperature (n,) and its gradient (n, 2) at ``points`` (n, 2) of walls.
 
     By fits of degree 4 to the particles and to points on walls with a given temperature.

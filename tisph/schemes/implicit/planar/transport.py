@@ -1,10 +1,10 @@
 """Temperature and dissolved substances in two-dimensional flow: quantities T that particles carry, and that diffuse.
 
 Along the path of a particle there is no convective term. With the weights gamma_0 and alpha_q of backward differences,
-the diffusivity kappa, and the rate r of sources and viscous heating, all at the end of a step dt,
+the diffusivity kappa, and the rate r of sources and viscous heating, all at the end of a step dt (docs/theory/heat.md),
 
-    (gamma_0 - dt kappa L) T = sum_q alpha_q T_q + dt r        in the fluid,                             (14)
-    T = T_w    or    n . G T = -q/(C kappa)                    at a point of a wall,                     (15)
+    (gamma_0 - dt kappa L) T = sum_q alpha_q T_q + dt r        in the fluid,                             (3)
+    T = T_w    or    n . G T = -q/(C kappa)                    at a point of a wall,                     (4)
 
 where q is the flux into the fluid, n points into it, and C is the amount in a volume per T. At an inlet T is given, at
 an outlet n . G T = 0. L and G are the operators of the velocities, those of even functions in axisymmetric flow. Values
@@ -197,7 +197,7 @@ class CarriedSubstances(Transport):
         return np.concatenate(known), np.concatenate(given), slope
 
     def assemble(self) -> None:
-        """Set the matrices of the present operators: Laplacian, derivatives, and rows (15) of points on walls."""
+        """Set the matrices of the present operators: Laplacian, derivatives, and rows (4) of points on walls."""
         from scipy.sparse import diags, vstack
 
         first, n, slopes = self.points.in_fluid, self.points.fluid, (self.operators.d_dx, self.operators.d_dy)
@@ -244,7 +244,7 @@ class CarriedSubstances(Transport):
         return not self.heated or self.solve_all(velocity)
 
     def solve_all(self, velocity: Any) -> bool:
-        """Solve (14) and (15) for all substances; return whether they were solved."""
+        """Solve (3) and (4) for all substances; return whether they were solved."""
         power = self.power(view(velocity)[: self.points.fluid].astype(float)) if self.heated else 0.0
         x, y = (part[: self.points.in_fluid] for part in self.places)
         self.made = []
@@ -257,7 +257,7 @@ class CarriedSubstances(Transport):
         return solved
 
     def solve(self, number: int, each: Substance, right: np.ndarray) -> bool:
-        """Solve (14) and (15) for one substance with this ``right``-hand side; return whether it was solved."""
+        """Solve (3) and (4) for one substance with this ``right``-hand side; return whether it was solved."""
         from scipy.sparse.linalg import LinearOperator, bicgstab, splu
 
         first, n, values = self.points.in_fluid, self.points.fluid, self.present[number]

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 
+import tisph
 from tisph.simulation import checkpoint
 
 
@@ -45,3 +46,24 @@ def check_resuming(make, folder, stops, steps):
         assert found_host == host
         balances.append(resumed.momentum_balance())
     return scheme, balances
+
+
+def check_substances(config, path, stop, steps):
+    """Assert that a run with temperature and dye resumes from a ``stop`` (number of steps) with the same bits.
+
+    ``steps``: of the whole run. ``path``: of the checkpoint.
+    """
+    with tisph.Simulation(config) as simulation:
+        for _ in range(steps):
+            simulation.step()
+            if simulation.steps == stop:
+                simulation.save(path)
+        whole = simulation.state.snapshot
+    with tisph.Simulation.restore(path) as simulation:
+        for _ in range(steps - stop):
+            simulation.step()
+        again = simulation.state.snapshot
+    for name in ("temperature", "dye"):
+        assert np.array_equal(whole.substances[name], again.substances[name])
+    assert np.array_equal(whole.u, again.u)
+    assert np.array_equal(whole.flows, again.flows)

@@ -182,7 +182,7 @@ def _marks(annotation: Any, of_items: bool) -> Iterator[Any]:
 
 
 def _static_model(field: FieldInfo, data: Any = None) -> type[Model] | None:
-    """Return the model in the type of a field; of models with a key ``type`` that of the map ``data``."""
+    """Return the model in the type of a field; of models with a key ``type`` the one that the map ``data`` names."""
     choices, found = [field.annotation], []
     for each in choices:
         found += [each] if isinstance(each, type) and issubclass(each, Model) else []

@@ -252,7 +252,7 @@ class _Convection:
         return np.sum(first @ self.split(c)[part] * second, axis=1).reshape(x.shape)[()]
 
     def nusselt(self, c: np.ndarray) -> float:
-        """Return the mean heat flux against ``gradient`` over that of the conducting state, by velocity times T."""
+        """Return the mean heat flux against ``gradient`` over the conducted heat flux, by velocity times T."""
         psi, temperature = self.split(c)
         along = self.gradient[0] * self._field(psi, 0, Y) - self.gradient[1] * self._field(psi, 0, X)
         return 1.0 - float(np.sum(self.weight * along * self._field(temperature, 1, VALUE))) / self.area
@@ -318,7 +318,7 @@ class Rolls:
 
     @property
     def nusselt(self) -> float:
-        """Heat flux over that of the layer at rest."""
+        """Heat flux over the heat flux of the layer at rest."""
         form, c = self._solution
         return form.nusselt(c)
 
@@ -382,12 +382,12 @@ class HeatedCavity:
 
     @property
     def nusselt(self) -> float:
-        """Mean heat flux from wall to wall over that of the fluid at rest."""
+        """Mean heat flux from wall to wall over the heat flux of the fluid at rest."""
         form, c = self._solution
         return form.nusselt(c)
 
     def local_nusselt(self, y: Any) -> np.ndarray:
-        """Return the heat flux of the hot wall over that of the fluid at rest."""
+        """Return the heat flux of the hot wall over the heat flux of the fluid at rest."""
         form, c = self._solution
         return 1.0 - form.at(c, 1, 0.0, np.asarray(y) / self.width, X)
 

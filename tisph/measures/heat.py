@@ -6,12 +6,13 @@ difference of the two Nusselt numbers estimates their error.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from tisph.exact import heated_shear
 from tisph.measures.fits import periodic_tree, velocity_gradients
 from tisph.measures.flow import FAINT, FlowInBox, Size
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
@@ -56,6 +57,42 @@ def walls_of(scene: FlowInBox, each: Substance, t: float) -> list[Wall]:
             places.append((suffix, boundary.point, boundary.length * around))
     found = [Wall(*place, each.conditions[number], number) for number, place in enumerate(places)]
     return [wall for wall in found if scene.parallel or scene.bodies[wall.number].solid]
+
+
+def wall_of_shear(condition: Condition, place: np.ndarray, t: float, speed: Any) -> heated_shear.Wall:
+    """Return a wall of ``exact.heated_shear`` at a ``place`` (2,) with the ``condition`` there at time ``t``."""
+    x, y = place[:1], place[1:]
+    if condition.value:
+        return heated_shear.Wall(float(condition.value(x, y, t)[0]), speed=speed)
+    return heated_shear.Wall(None, float(condition.flux(x, y, t)[0]) if condition.flux else 0.0, speed=speed)
+
+
+def sheared(
+    heat: Substance,
+    ends: tuple[float, float],
+    walls: tuple[heated_shear.Wall, heated_shear.Wall],
+    viscosity: Callable[[Any, Any], Any],
+    density: float,
+    acceleration: float = 0.0,
+    geometry: str = "plates",
+) -> heated_shear.HeatedShear:
+    """Return the exact flow of a fluid with the temperature ``heat`` between ``walls`` at the coordinates ``ends``.
+
+    ``viscosity``: dynamic, a function of temperature and shear rate. ``acceleration`` along x drives the flow.
+    """
+    return heated_shear.HeatedShear(
+        ends,
+        walls,
+        viscosity,
+        heat.capacity * heat.diffusivity,
+        density=density,
+        heat_capacity=heat.capacity / density,
+        pressure_gradient=density * acceleration,
+        buoyancy=density * float(heat.buoyancy[0]),
+        reference=heat.reference,
+        heating=bool(heat.heating),
+        geometry=geometry,
+    )
 
 
 def integral(scene: FlowInBox, snapshot: Snapshot, values: Any) -> float:

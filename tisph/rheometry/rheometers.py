@@ -28,13 +28,13 @@ import numpy as np
 from tisph.config.schema import Config
 from tisph.errors import ConfigError, UnsolvedError
 from tisph.exact._fluids import Rheology
-from tisph.exact.heated_shear import HeatedShear
-from tisph.exact.heated_shear import Wall as SteadyWall
+from tisph.exact.heated_shear import Wall
 from tisph.exact.linear_viscoelasticity import Spectrum, corrected_viscosity, cylinder_apparent_viscosity
 from tisph.exact.uniform_shear import REMEMBERED, UniformShear
 from tisph.geometry.motion import Schedule
 from tisph.measures.channel import integral
 from tisph.measures.flow import FlowInBox
+from tisph.measures.heat import sheared, wall_of_shear
 from tisph.measures.steadiness import CHANGE, LAST
 from tisph.rheometry.viscometers import (
     SHOWN,
@@ -332,23 +332,19 @@ def _steady_heated(config: Config, flow: Channel, rates: np.ndarray, time: float
     heat, rheology = flow.temperature, config.fluid.rheology
     if heat is None or rheology.carries_stress:
         return np.full(len(rates), np.nan)
-    law, none = rheology.law(flow.kinematic_viscosity, flow.density), np.zeros(1)
+    law = rheology.law(flow.kinematic_viscosity, flow.density)
 
     def viscosity(temperature: Any, rate: Any) -> Any:
         factor = heat.factor(temperature)
         return flow.density * factor * law.viscosity((factor * rate) ** 2)
 
-    def wall(number: int, speed: float) -> SteadyWall:
-        condition, place = heat.conditions[number], np.array([flow.gap * number])
-        if condition.value:
-            return SteadyWall(float(condition.value(none, place, time)[0]), speed=speed)
-        return SteadyWall(None, float(condition.flux(none, place, time)[0]) if condition.flux else 0.0, speed=speed)
+    def wall(number: int, speed: float) -> Wall:
+        return wall_of_shear(heat.conditions[number], np.array([0.0, flow.gap * number]), time, speed)
 
     stresses = np.full(len(rates), np.nan)
     for index, rate in enumerate(rates):
         walls = wall(0, 0.0), wall(1, float(rate) * flow.gap)
-        conductivity = heat.capacity * heat.diffusivity
-        steady = HeatedShear((0.0, flow.gap), walls, viscosity, conductivity, heating=bool(heat.heating))
+        steady = sheared(heat, (0.0, flow.gap), walls, viscosity, flow.density)
         with suppress(UnsolvedError, ValueError):
             stresses[index] = float(steady.steady().shear_stress(flow.gap))
     return stresses

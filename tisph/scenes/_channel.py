@@ -22,7 +22,6 @@ import numpy as np
 from tisph.config.motion import slip_length_of
 from tisph.config.schema import Config
 from tisph.exact._fluids import Rheology, fluid_of
-from tisph.exact.heated_shear import HeatedShear
 from tisph.exact.heated_shear import StartUp as HeatedStartUp
 from tisph.exact.heated_shear import Wall as HeatedWall
 from tisph.exact.linear_viscoelasticity import apparent_viscosity
@@ -31,6 +30,7 @@ from tisph.exact.uniform_shear import UniformShear
 from tisph.geometry.motion import Schedule, StressControlledMotion, StressControlledWall, WallMotion
 from tisph.measures.channel import ChannelFlow, Probes, integral, interpolate, wall_shear, wall_velocity
 from tisph.measures.flow import PolymerParameters
+from tisph.measures.heat import sheared, wall_of_shear
 from tisph.measures.metrics import fit_line, relative_difference
 from tisph.measures.substance import TEMPERATURE, Condition, Substance
 from tisph.scenes._scene import Scene, age
@@ -62,23 +62,12 @@ def _heated(
 ) -> HeatedStartUp:
     """Return the flow of a Newtonian fluid from rest, with its temperature, between walls of given motion."""
 
-    def wall(motion: Any, condition: Condition) -> HeatedWall:
-        given: Any = condition.value or condition.flux
-        held = {"temperature": given.given} if condition.value else {"temperature": None, "heat_flux": given.given}
-        return HeatedWall(speed=lambda t: float(motion.velocity(t)), **held)
+    def wall(motion: Any, condition: Condition, y: float) -> HeatedWall:
+        return wall_of_shear(condition, np.array([0.0, y]), 0.0, lambda t: float(motion.velocity(t)))
 
-    flow = HeatedShear(
-        (0.0, gap),
-        (wall(bottom, heat.conditions[0]), wall(top, heat.conditions[1])),
-        lambda temperature, rate: density * viscosity * heat.factor(temperature),
-        heat.capacity * heat.diffusivity,
-        density,
-        heat.capacity / density,
-        density * acceleration,
-        density * float(heat.buoyancy[0]),
-        heat.reference,
-        heating=bool(heat.heating),
-    )
+    walls = wall(bottom, heat.conditions[0], 0.0), wall(top, heat.conditions[1], gap)
+    law = lambda temperature, rate: density * viscosity * heat.factor(temperature)  # noqa: E731
+    flow = sheared(heat, (0.0, gap), walls, law, density, acceleration)
     breaks = {float(time) for motion in (bottom, top) for time in motion.jump_times if time > 0.0}
     return HeatedStartUp(flow, float(heat.initial.given), sorted(breaks))
 

@@ -14,7 +14,7 @@ from tisph.exact.heated_shear import HeatedShear, StartUp, Wall
 from tisph.exact.passive_scalar import Dispersion, Entrance, parabola
 from tisph.measures.fits import interpolated, local_fits, periodic_tree, with_walls
 from tisph.measures.flow import FlowInBox
-from tisph.measures.heat import integral, walls_of
+from tisph.measures.heat import integral, sheared, wall_of_shear, walls_of
 from tisph.measures.substance import TEMPERATURE, Substance
 from tisph.results import open_run
 from tisph.scenes import annulus
@@ -200,14 +200,7 @@ def _sheared(scene: FlowInBox) -> HeatedShear:
         ends.append(float(np.hypot(*point[0]) if geometry == "around" else point[0, 1]))
         u, v = scene.bodies[wall.number].velocity(point, 1.0)[0]
         speed = (point[0, 0] * v - point[0, 1] * u) / ends[-1] if geometry == "around" else u
-        value, flux = wall.condition.value, wall.condition.flux
-        walls.append(
-            Wall(
-                None if value is None else float(value(point[0, 0], point[0, 1], 0.0)),
-                0.0 if flux is None else float(flux(point[0, 0], point[0, 1], 0.0)),
-                speed=float(speed),
-            )
-        )
+        walls.append(wall_of_shear(wall.condition, point[0], 0.0, float(speed)))
     if len(walls) == 1:
         walls, ends = [Wall(), *walls], [0.0, *ends]
     viscosity = scene.density * scene.kinematic_viscosity
@@ -216,19 +209,8 @@ def _sheared(scene: FlowInBox) -> HeatedShear:
         return viscosity * each.factor(temperature)
 
     order = np.argsort(ends)
-    return HeatedShear(
-        tuple(ends[place] for place in order),
-        tuple(walls[place] for place in order),
-        factor,
-        each.capacity * each.diffusivity,
-        density=scene.density,
-        heat_capacity=each.capacity / scene.density,
-        pressure_gradient=scene.density * getattr(scene, "acceleration", 0.0),
-        buoyancy=scene.density * float(each.buoyancy[0]),
-        reference=each.reference,
-        heating=bool(each.heating),
-        geometry=geometry,
-    )
+    (low, high), (first, second) = sorted(ends), (walls[place] for place in order)
+    return sheared(each, (low, high), (first, second), factor, scene.density, scene.acceleration, geometry)
 
 
 def _at_wall(scene: FlowInBox, snapshot: Snapshot, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -428,10 +428,12 @@ class PlanarScheme(ControlledScheme):
     def body_force(self, time: float) -> np.ndarray | None:
         """Return given body force and buoyancy (points, components) at ``time`` as unknowns; None without any."""
         found: Any = None
+        buoyancy = self.transport.body_force()
+        if self.problem.body_force is None and buoyancy is None:
+            return None
         x, y = self.problem.places(view(self.points.position)[: self.points.fluid].astype(float))
         if self.problem.body_force is not None:
             found = self.problem.unknowns_given(self.problem.body_force, x, y, time)
-        buoyancy = self.transport.body_force()
         if buoyancy is not None:
             whole = np.zeros((len(x), self.levels.components))
             whole[:, :2] = buoyancy

@@ -71,7 +71,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
 }
 for _name, _command in COMMANDS.items():
     app.command(_name)(reported(_command))
-app.command("stress", short_help="The former name of stability.")(reported(studies.stability))
+app.command("stress", hidden=True)(reported(studies.stability))  # its name in version 0.1
 
 
 def main() -> None:

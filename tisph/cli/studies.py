@@ -1,4 +1,4 @@
-"""Commands that make many runs: ``tisph verify``, ``stability`` (or ``stress``), ``sweep`` and ``bench``."""
+"""Commands that make many runs: ``tisph verify``, ``stability``, ``sweep`` and ``bench``."""
 
 import json
 from pathlib import Path
@@ -78,7 +78,7 @@ def verify(
         raise typer.Exit(1)
 
 
-STABILITY_FOLDER = Path("runs/stress")
+STABILITY_FOLDER = Path("runs/stability")
 
 
 def stability(
@@ -112,7 +112,9 @@ def stability(
         parts = sub_matrices(quick, only)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
-    folder = out or STABILITY_FOLDER.with_name("stress-quick" if quick else "stress-part" if only else "stress")
+    folder = out or STABILITY_FOLDER.with_name(
+        "stability-quick" if quick else "stability-part" if only else "stability"
+    )
     passed = stability_report.run(folder, processes or runtime.available_threads(), parts)
     cells = json.loads((folder / stability_report.NUMBERS).read_text(encoding="utf-8"))["cells"]
     missed = [cell["name"] for cell in cells if not cell["met"]]

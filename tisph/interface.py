@@ -1,16 +1,18 @@
-"""``tisph.run`` and ``tisph.check``: the command line's run and check, called from Python.
+"""``tisph.run``, ``tisph.check`` and ``tisph.sweep``: commands, called from Python.
 
 A run has a process of its own and leaves nothing in this one. Its progress is shown as a bar in a notebook or on a
 terminal, as lines elsewhere.
 """
 
 import _thread
+import io
 import os
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from concurrent.futures import Executor
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
@@ -174,6 +176,27 @@ def run(
     return Results(folder)
 
 
+def sweep(
+    study: str | PathLike[str] | Mapping[str, Any],
+    /,
+    out: str | PathLike[str] | None = None,
+    *,
+    processes: int | None = None,
+    executor: Executor | None = None,
+) -> list[dict[str, Any]]:
+    """Run a study (YAML file or dict, as for ``tisph sweep``) into ``out`` [runs/NAME]; return the rows of its table.
+
+    ``processes`` runs at a time, by default one a core; or on the workers of any ``concurrent.futures.Executor``. Runs
+    that have ended are kept: an interrupted call goes on. Each run has a process of its own. Nothing is printed.
+    """
+    from tisph import runtime
+    from tisph.studies.sweep import run
+
+    count, folder = processes or runtime.available_threads(), None if out is None else Path(out)
+    with config_file(study) as path, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        return [row.record for row in run(path, folder, count, executor=executor)]
+
+
 @dataclass(frozen=True)
 class RunEstimate:
     """Estimates for a run; printed, it is the output of ``tisph check``.
@@ -202,10 +225,7 @@ class RunEstimate:
 
 
 def check(config: Asked, /, **overrides: Any) -> RunEstimate:
-    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed.
-
-    It imports Taichi and starts no Taichi program. ConfigError has the message of ``tisph check``.
-    """
+    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed."""
     from tisph.config import load
     from tisph.schemes._forecast import described, forecast
 

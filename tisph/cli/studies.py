@@ -132,25 +132,31 @@ def sweep(
     scheduler: Annotated[
         str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
     ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option("--part", metavar="K/N", help="One of N parts, beside commands that make the others in DIR."),
+    ] = None,
     out: Annotated[Path | None, out_folder("Results [default: runs/NAME].")] = None,
 ) -> None:
     """Run a config with all values of some of its keys.
 
     Leaves a table (CSV and HDF5), costs and a picture in DIR, and names the cheapest run within the bound. Runs that
     have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only new values. A run that
-    fails is a row with its message; exit status 1 only where none succeeds.
+    fails is a row with its message; exit status 1 only where none succeeds. Parts, such as the tasks of a job array,
+    share DIR at the same time; the part that ends last writes the table.
 
     \b
     Examples:
       tisph sweep study.yaml
       tisph sweep study.yaml --processes 2 --out runs/resolution
       tisph sweep study.yaml --scheduler tcp://machine:8786
+      tisph sweep study.yaml --part 3/20 --out /shared/study
     """
     from tisph import runtime
     from tisph.studies.sweep import run
 
-    rows = run(study, out, processes or runtime.available_threads(), scheduler)
-    if not any(row.status == "done" for row in rows):
+    rows = run(study, out, processes or runtime.available_threads(), scheduler, part)
+    if rows and not any(row.status == "done" for row in rows):
         raise typer.Exit(1)
 
 

@@ -1,9 +1,11 @@
-"""Workers whose runs are stand-ins: they take a moment and leave numbers that follow from the config."""
+"""A Dask worker whose runs are stand-ins: they take a moment and leave numbers that follow from the config."""
 
 import asyncio
 import json
 import sys
 import time
+
+from distributed import Worker
 
 from tisph.studies import sweep
 from tisph.studies.processes import Result
@@ -37,18 +39,11 @@ def stand_in(path, folder):
 
 
 async def work(address):
-    """Serve the Dask scheduler at ``address`` until it ends."""
-    from distributed import Worker
-
+    """Serve the scheduler at ``address`` until it ends."""
     async with Worker(address, nthreads=1) as worker:
         await worker.finished()
 
 
-def install():
-    """Let this process be such a worker."""
-    sweep.run_config = stand_in
-
-
 if __name__ == "__main__":
-    install()
+    sweep.run_config = stand_in
     asyncio.run(work(sys.argv[1]))

@@ -37,7 +37,7 @@ numbers: .venv/test-ready
 
 # Make the documentation as a site in site/; a dead link is an error, and so is a page that a browser shows badly.
 docs: .venv/docs-ready
-	$(BIN)/python -m mkdocs build --strict
+	$(BIN)/python docs/_site.py
 	$(BIN)/python docs/_look.py
 
 # The same from gallery runs that are cut short, in a few minutes: does everything build, and look as it should?

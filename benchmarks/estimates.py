@@ -105,7 +105,7 @@ def main():
     parser.add_argument("--only", metavar="TEXT", default="", help="cases with this text in their names")
     parser.add_argument("--out", metavar="DIR", help="results [default: the folder of tisph stability]")
     given = parser.parse_args()
-    default = studies.STABILITY_FOLDER.with_name("stress-quick") if given.quick else studies.STABILITY_FOLDER
+    default = studies.STABILITY_FOLDER.with_name("stability-quick") if given.quick else studies.STABILITY_FOLDER
     try:
         passed = run(given.out or default, runtime.available_threads(), given.quick, given.only)
     except ConfigError as error:

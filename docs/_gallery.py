@@ -1,6 +1,6 @@
 """The gallery: one page a flow, made from docs/_gallery/NAME.yaml and from runs that are made for it.
 
-``make docs`` calls ``add``. Each file says which config is run, with what settings, the text of its page, and the
+``make docs`` calls ``contents``. Each file says which config is run, with what settings, the text of its page, and the
 numbers in it. A number that is not within its bound ends the build, with the names of the page and of the number. Runs
 are kept in runs/gallery/ and used again as long as config, settings and package are the same.
 ``python docs/_gallery.py NAME...`` makes the runs of some pages, or of all, prints their numbers, and leaves their
@@ -213,8 +213,8 @@ def table(summary, checks):
     return "\n".join(lines)
 
 
-def page(name, flow, up):
-    """Return a page as Markdown; ``up`` leads from the page to the folder of its movie."""
+def page(name, flow):
+    """Return a page as Markdown."""
     own, *exercises = jobs(name, flow)
     summary = own.summary()
     chosen = [text.split("=")[0] for text in flow.get("movie", [])]
@@ -222,7 +222,7 @@ def page(name, flow, up):
     parts = [
         f"# {flow['title']}",
         filled(flow["question"], summary, flow["numbers"]),
-        video(name, flow["alt"], up),
+        video(name, flow["alt"]),
         filled(flow["story"], summary, flow["numbers"]),
         f"## Numbers\n\n{table(summary, flow['numbers'])}",
         filled(flow.get("remark", ""), summary, flow["numbers"]),
@@ -242,10 +242,10 @@ def unresolved(summary):
     return "Not resolved, as the run says: " + "; ".join(reasons) + "." if reasons else ""
 
 
-def video(name, alt, up):
+def video(name, alt):
     """Return the movie, with a still of it for where it does not play."""
-    attributes = f'controls loop muted playsinline preload="metadata" poster="{up}{name}.jpg" aria-label="{alt}"'
-    source = f'<source src="{up}{name}.mp4" type="video/mp4">'
+    attributes = f'controls loop muted playsinline preload="metadata" poster="{name}.jpg" aria-label="{alt}"'
+    source = f'<source src="{name}.mp4" type="video/mp4">'
     return f'<video {attributes} style="width: 100%; height: auto">{source}{alt}</video>'
 
 
@@ -338,35 +338,24 @@ def make(names=()):
     return chosen
 
 
-def add(files, config):
-    """Add the pages of the gallery, their movies and pictures to the files of the site."""
-    from mkdocs.exceptions import PluginError
-    from mkdocs.structure.files import File
+def contents():
+    """Return name in the site -> text, bytes, or path of the pages of the gallery, their movies and pictures.
 
+    Raises OutOfBoundsError, and RuntimeError where a run fails.
+    """
     from tisph.report.encoder import poster
 
-    for file in [file for file in files if file.src_uri.startswith(("_gallery/", "gallery/"))]:
-        files.remove(file)
-    try:
-        chosen = make()
-    except (OutOfBoundsError, RuntimeError) as error:
-        raise PluginError(str(error)) from error
-    up = "../" if config["use_directory_urls"] else ""
+    chosen = make()
     said = "All runs are made with this site, and the site is not made if a number leaves its bound."
-    first = index({name: f"{name}.md" for name in chosen}, said)
-    pages = {"index": first, **{name: page(name, flow, up) for name, flow in chosen.items()}}
-    for name, text in pages.items():
-        files.append(File.generated(config, f"gallery/{name}.md", content=text))
+    found = {"gallery/index.md": index({name: f"{name}.md" for name in chosen}, said)}
+    found |= {f"gallery/{name}.md": page(name, flow) for name, flow in chosen.items()}
     for name, flow in chosen.items():
         folder, plot = jobs(name, flow)[0].folder, flow.get("plot", "profiles")
-        for target, source in {f"{name}.mp4": "movie.mp4", f"{name}-{plot}.png": f"{plot}.png"}.items():
-            files.append(File.generated(config, f"gallery/{target}", abs_src_path=str(folder / source)))
-        files.append(File.generated(config, f"gallery/{name}.jpg", content=poster(folder / "movie.mp4")))
-        picture = panel(folder, flow.get("still", MIDDLE))
-        files.append(File.generated(config, f"gallery/{name}-panel.jpg", content=picture))
-    if config["nav"] and not any("Gallery" in entry for entry in config["nav"]):
-        config["nav"].insert(2, {"Gallery": [f"gallery/{name}.md" for name in pages]})
-    return files
+        found[f"gallery/{name}.mp4"] = folder / "movie.mp4"
+        found[f"gallery/{name}-{plot}.png"] = folder / f"{plot}.png"
+        found[f"gallery/{name}.jpg"] = poster(folder / "movie.mp4")
+        found[f"gallery/{name}-panel.jpg"] = panel(folder, flow.get("still", MIDDLE))
+    return found
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 """Tutorials: the notebooks of docs/tutorials/, executed when the site is made, as pages.
 
-``make docs`` calls ``add``. A notebook whose code fails ends the build. Two notebooks are executed at once. Executed
-notebooks are kept in runs/tutorials/ and used again as long as notebook and package are the same. They become Markdown
-here, since the site draws formulas of Markdown without a script; nbconvert and mkdocs-jupyter bring a page, styles and
-a script of their own.
+``make docs`` calls ``contents``. A notebook whose code fails ends the build. Two notebooks are executed at once.
+Executed notebooks are kept in runs/tutorials/ and used again as long as notebook and package are the same. They become
+Markdown here, since the site draws formulas of Markdown without a script; nbconvert brings a page, styles and a script
+of its own.
 """
 
 import base64
@@ -64,24 +64,21 @@ def _shown(output, name, pictures):
     return f"```text\n{data['text/plain']}\n```" if "text/plain" in data else ""
 
 
-def add(files, config):
-    """Add a page for each notebook, with its pictures, to the files of the site."""
-    from mkdocs.exceptions import PluginError
-    from mkdocs.structure.files import File
+def contents():
+    """Return name in the site -> text, bytes, or path of a page for each notebook, with its pictures.
+
+    Raises RuntimeError where the code of a notebook fails.
+    """
     from nbclient.exceptions import CellExecutionError
 
     def page(path):
         try:
             return markdown(executed(path), path.stem)
         except CellExecutionError as error:
-            raise PluginError(f"tutorial {path.name}: {error}") from error
+            raise RuntimeError(f"tutorial {path.name}: {error}") from error
 
-    names, paths = [], sorted(NOTEBOOKS.glob("*.ipynb"))
+    found, paths = {}, sorted(NOTEBOOKS.glob("*.ipynb"))
     for path, (text, pictures) in zip(paths, in_turn(page, paths, "tutorials: notebook"), strict=True):
-        names.append(f"tutorials/{path.stem}.md")
-        files.append(File.generated(config, names[-1], content=text))
-        for name, content in pictures.items():
-            files.append(File.generated(config, f"tutorials/{name}", content=content))
-    if config["nav"] and not any("Tutorials" in entry for entry in config["nav"]):
-        config["nav"].insert(2, {"Tutorials": names})
-    return files
+        found[f"tutorials/{path.stem}.md"] = text
+        found |= {f"tutorials/{name}": content for name, content in pictures.items()}
+    return found

@@ -65,24 +65,25 @@ class Folder:
 
 
 @contextmanager
-def held(root: Path) -> Iterator[None]:
+def held(root: Path, name: str = LOCK) -> Iterator[None]:
     """Create the folder ``root`` if necessary and lock it; filelock's Timeout if another process holds the lock.
 
-    The lock ends with the context or the process. The lock's file is removed while it is still locked: a process that
-    has opened it by then notices that it is gone (``filelock`` from 3.24 on).
+    ``name`` of the lock's file: another name locks a part of the folder. The lock ends with the context or the process.
+    The lock's file is removed while it is still locked: a process that has opened it by then notices that it is gone
+    (``filelock`` from 3.24 on).
     """
     from filelock import FileLock
 
     root.mkdir(parents=True, exist_ok=True)
-    lock = FileLock(root / LOCK, timeout=0)
+    lock = FileLock(root / name, timeout=0)
     with _interrupts_alone(), lock:
-        own = os.stat(root / LOCK)
+        own = os.stat(root / name)
         try:
             yield
         finally:
             with suppress(OSError):  # the folder may be gone, or be another one by now; Windows keeps open files
-                if os.path.samestat(own, os.stat(root / LOCK)):
-                    os.unlink(root / LOCK)
+                if os.path.samestat(own, os.stat(root / name)):
+                    os.unlink(root / name)
 
 
 @contextmanager

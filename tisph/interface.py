@@ -1,17 +1,18 @@
-"""``tisph.run`` and ``tisph.check``: the command line's run and check, called from Python.
+"""``tisph.run``, ``tisph.check`` and ``tisph.sweep``: commands, called from Python.
 
 A run has a process of its own and leaves nothing in this one. Its progress is shown as a bar in a notebook or on a
 terminal, as lines elsewhere.
 """
 
 import _thread
-import json
+import io
 import os
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from concurrent.futures import Executor
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
@@ -19,7 +20,7 @@ from typing import Any
 
 from tisph import events
 from tisph.config.loader import Asked, config_file, loaded, override_texts
-from tisph.errors import DOUBTFUL, INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
+from tisph.errors import INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
 
@@ -175,30 +176,25 @@ def run(
     return Results(folder)
 
 
-def fit(
-    data: str | PathLike[str],
-    config: Asked,
+def sweep(
+    study: str | PathLike[str] | Mapping[str, Any],
     /,
-    free: Mapping[str, tuple[float, float]],
     out: str | PathLike[str] | None = None,
     *,
-    laws: Sequence[str] = (),
-    sigma: float | None = None,
-    **overrides: Any,
-) -> dict[str, Any]:
-    """Fit keys to the file ``data`` as ``tisph fit``, free={"fluid.density": (low, high)}; return ``fit.json``."""
-    with config_file(config) as path, shown(False) as show:
-        options = [part for key, (low, high) in free.items() for part in ("--free", f"{key}={low}..{high}")]
-        options += [part for law in laws for part in ("--law", law)]
-        options += [part for text in override_texts(overrides) for part in ("--set", text)]
-        options += [] if sigma is None else ["--sigma", str(sigma)]
-        folder = Path("runs") / f"fit-{loaded(path, overrides).name}" if out is None else Path(out)
-        try:
-            command(["fit", *options, "--config", path, "--out", fspath(folder), "--", fspath(data)], show)
-        except TisphError as error:
-            if not str(error).startswith(DOUBTFUL):
-                raise
-    return dict(json.loads((folder / "fit.json").read_text(encoding="utf-8")))
+    processes: int | None = None,
+    executor: Executor | None = None,
+) -> list[dict[str, Any]]:
+    """Run a study (YAML file or dict, as for ``tisph sweep``) into ``out`` [runs/NAME]; return the rows of its table.
+
+    ``processes`` runs at a time, by default one a core; or on the workers of any ``concurrent.futures.Executor``. Runs
+    that have ended are kept: an interrupted call goes on. Each run has a process of its own. Nothing is printed.
+    """
+    from tisph import runtime
+    from tisph.studies.sweep import run
+
+    count, folder = processes or runtime.available_threads(), None if out is None else Path(out)
+    with config_file(study) as path, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        return [row.record for row in run(path, folder, count, executor=executor)]
 
 
 @dataclass(frozen=True)
@@ -229,10 +225,7 @@ class RunEstimate:
 
 
 def check(config: Asked, /, **overrides: Any) -> RunEstimate:
-    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed.
-
-    It imports Taichi and starts no Taichi program. ConfigError has the message of ``tisph check``.
-    """
+    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed."""
     from tisph.config import load
     from tisph.schemes._forecast import described, forecast
 

@@ -2,7 +2,7 @@
 
 import time
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 PROCESS_START = time.perf_counter()
 """Time at which the package was imported, by ``time.perf_counter`` [s]: the cost of start-up counts from here."""

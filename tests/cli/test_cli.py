@@ -201,7 +201,7 @@ def test_the_matrix_ends_with_a_verdict(case, monkeypatch, met, status, verdict)
     def leave_numbers(folder, *_):
         cells = [{"name": name, "met": each} for name, each in zip("ab", met, strict=True)]
         folder.mkdir()
-        (folder / "stress.json").write_text(json.dumps({"cells": cells}))
+        (folder / "stability.json").write_text(json.dumps({"cells": cells}))
         return all(met)
 
     monkeypatch.setattr(stability_report, "run", leave_numbers)

@@ -18,7 +18,7 @@ from tisph.config import reference, schema
 
 ROOT = Path(tisph.__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-COMMANDS = set(typer.main.get_command(cli.app).commands)
+COMMANDS = {name for name, one in typer.main.get_command(cli.app).commands.items() if not one.hidden}
 
 
 def anchors(path):
@@ -204,7 +204,7 @@ def test_each_number_in_a_text_is_asserted(name):
 def test_commands_of_a_page_can_be_pasted(name, tmp_path, monkeypatch):
     monkeypatch.setattr(gallery, "DRAFT", True)  # no run is needed for its numbers
     monkeypatch.setattr(gallery.Job, "summary", lambda self: {"samples": []})
-    lines = re.findall(r"^tisph .*", gallery.page(name, FLOWS[name], ""), flags=re.MULTILINE)
+    lines = re.findall(r"^tisph .*", gallery.page(name, FLOWS[name]), flags=re.MULTILINE)
     commands = pasted(lines, tmp_path)
     shown = [tuple(word for word in words if "=" in word) for words in commands]
     jobs = gallery.jobs(name, FLOWS[name])

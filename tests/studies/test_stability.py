@@ -155,7 +155,7 @@ def runs(monkeypatch):
 
 
 def written(folder):
-    return json.loads((folder / "stress.json").read_text())
+    return json.loads((folder / "stability.json").read_text())
 
 
 def test_an_interrupted_matrix_goes_on_where_it_was(runs, tmp_path, monkeypatch, capsys):

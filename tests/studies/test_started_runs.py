@@ -45,6 +45,30 @@ def test_one_that_is_refused_says_why(tmp_path):
     assert "time.end = -1: must be greater than 0" in message
 
 
+SCRIPT = """
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import tisph
+
+for folder, executor in (("alone", None), ("threads", ThreadPoolExecutor(2))):
+    rows = tisph.sweep("study.yaml", folder, processes=2, executor=executor)
+    assert [row["status"] for row in rows] == ["done", "done"], rows
+"""
+"""Without ``if __name__ == "__main__"``, which processes of multiprocessing need that import their script."""
+
+
+def test_runs_do_not_import_the_script_that_sweeps(tmp_path):
+    study = {"base": "case.yaml", "vary": {"walls.top.velocity": [0.2, 0.4]}, "collect": ["l2", "steps"]}
+    (tmp_path / "case.yaml").write_text(couette_text(**CASE))
+    (tmp_path / "study.yaml").write_text(json.dumps(study))
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    tables = [(tmp_path / folder / "table.csv").read_bytes() for folder in ("alone", "threads")]
+    assert tables[0] == tables[1]
+
+
 def arrays(folder):
     with h5py.File(folder / "samples.h5") as file:
         return [group[name][...] for group in file.values() for name in group]

@@ -4,9 +4,11 @@ import csv
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import ExitStack
 from pathlib import Path
 from threading import Timer
@@ -18,6 +20,7 @@ from fake_runs import FakeRuns, sleeper
 from ruamel.yaml import YAML
 from sweep_worker import summary
 
+import tisph
 from tisph.config.yaml_text import parse
 from tisph.errors import ConfigError
 from tisph.folder import held
@@ -185,6 +188,74 @@ def test_a_run_that_outlives_a_killed_sweep_is_waited_for(study, runs, undrawn, 
         run(study, tmp_path / "out", 1)
     assert started == [1]  # the one of the first sweep: the second did not start before the folder was free
     assert len(runs.configs) == 2
+
+
+PARTS = 20
+
+
+def test_the_last_of_twenty_parts_writes_the_table_of_all(study, runs, undrawn, tmp_path, capsys):
+    study.write_text(STUDY.replace("[10, 20, 40]", "[10, 13, -1, 16, 20, 24]"))
+    run(study, tmp_path / "whole", 2)
+    whole = (tmp_path / "whole/table.csv").read_bytes()
+    assert b"particle 7 left the channel" in whole
+    runs.configs.clear()
+    capsys.readouterr()
+    for part in range(PARTS, 0, -1):
+        assert not (tmp_path / "out/table.csv").exists()
+        run(study, tmp_path / "out", 2, part=f"{part}/{PARTS}")
+        left = 15 - len(runs.configs)
+        assert (f"{left} runs of other parts are missing" in capsys.readouterr().out) is (left > 0)
+        if not left:
+            break
+    assert (tmp_path / "out/table.csv").read_bytes() == whole
+    # a whole sweep afterwards makes the failed runs again, and no others
+    run(study, tmp_path / "out", 2)
+    assert len(runs.configs) == 15 + 3
+    assert (tmp_path / "out/table.csv").read_bytes() == whole
+
+
+@pytest.mark.parametrize("part", ["0/20", "21/20", "3", "3/0", "-1/2", "a/b"])
+def test_a_part_that_does_not_exist_is_refused(study, tmp_path, part):
+    with pytest.raises(ConfigError, match=r"^--part .*: must be one of 1/N to N/N"):
+        run(study, tmp_path / "out", 1, part=part)
+
+
+def test_parts_take_about_the_same_time():
+    seconds = {f"{index:03d}": 1.5**index for index in range(30)}
+    parts = sweep.split(seconds, 3)
+    assert sorted(name for part in parts for name in part) == sorted(seconds)
+    sums = [sum(seconds[name] for name in part) for part in parts]
+    assert max(sums) <= min(sums) + max(seconds.values())
+    assert sweep.split(dict(reversed(seconds.items())), 3) == parts
+
+
+def test_a_run_that_another_command_makes_is_not_made_again(study, runs, undrawn, tmp_path):
+    run(study, tmp_path / "whole", 1)
+    shutil.copytree(tmp_path / "whole/runs", tmp_path / "out/runs")
+    name = next((tmp_path / "out/runs").glob("*/summary.json")).parent.name
+    kept, hidden = tmp_path / "out/runs" / name, tmp_path / "hidden"
+    runs.configs.clear()
+    with ExitStack() as other:
+        other.enter_context(held(tmp_path / "out/runs", f"{name}.lock"))
+        kept.rename(hidden)
+        Timer(0.3, lambda: (hidden.rename(kept), other.pop_all().close())).start()
+        run(study, tmp_path / "out", 2, part="1/1")
+    assert runs.configs == []
+    assert (tmp_path / "out/table.csv").read_bytes() == (tmp_path / "whole/table.csv").read_bytes()
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes"])
+def test_any_executor_gives_the_same_table(study, runs, undrawn, tmp_path, monkeypatch, capsys, kind):
+    run(study, tmp_path / "whole", 2)
+    monkeypatch.setattr(sweep, "run_config", sweep_worker.stand_in)
+    capsys.readouterr()
+    spawned = {"mp_context": multiprocessing.get_context("spawn"), "initializer": sweep_worker.install}
+    with ThreadPoolExecutor(3) if kind == "threads" else ProcessPoolExecutor(2, **spawned) as executor:
+        rows = tisph.sweep(study, tmp_path / "out", executor=executor)
+    assert [row["discretisation.particles_across"] for row in rows] == [10] * 3 + [20] * 3 + [40] * 3
+    assert [row["l2"] for row in rows[:3]] == pytest.approx([0.01, 0.02, 0.04])
+    assert (tmp_path / "out/table.csv").read_bytes() == (tmp_path / "whole/table.csv").read_bytes()
+    assert capsys.readouterr() == ("", "")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="kills by signal")

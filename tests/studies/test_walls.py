@@ -53,8 +53,8 @@ def test_a_run_that_diverged_is_kept_and_one_that_failed_is_not(runs, tmp_path):
     keeper = store.Store(tmp_path / "runs")
     for status, kept in (("diverged", True), ("done", True), ("failed", False), ("interrupted", False)):
         runs.summary = lambda config, status=status: {"status": status, "message": "why", "samples": []}
-        keeper.launch("case", {}).outcome()
-        assert (keeper.kept("case", {}) is not None) is kept
+        keeper.launch(status, {}).outcome()
+        assert (keeper.kept(status, {}) is not None) is kept
 
 
 def test_without_any_treatment_that_finishes_the_comparison_fails(runs, tmp_path, capsys):

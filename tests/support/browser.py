@@ -70,6 +70,10 @@ class Browser:
             raise RuntimeError(answer["exceptionDetails"])
         return answer["result"].get("value")
 
+    def type(self, text):
+        """Type ``text`` into the element that has the focus."""
+        self._ask("Input.insertText", text=text)
+
     def printed(self):
         """Return the page as it is printed, a PDF."""
         return b64decode(self._ask("Page.printToPDF", printBackground=True)["data"])

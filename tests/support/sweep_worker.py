@@ -1,11 +1,9 @@
-"""A Dask worker whose runs are stand-ins: they take a moment and leave numbers that follow from the config."""
+"""Workers whose runs are stand-ins: they take a moment and leave numbers that follow from the config."""
 
 import asyncio
 import json
 import sys
 import time
-
-from distributed import Worker
 
 from tisph.studies import sweep
 from tisph.studies.processes import Result
@@ -39,11 +37,18 @@ def stand_in(path, folder):
 
 
 async def work(address):
-    """Serve the scheduler at ``address`` until it ends."""
+    """Serve the Dask scheduler at ``address`` until it ends."""
+    from distributed import Worker
+
     async with Worker(address, nthreads=1) as worker:
         await worker.finished()
 
 
-if __name__ == "__main__":
+def install():
+    """Let this process be such a worker."""
     sweep.run_config = stand_in
+
+
+if __name__ == "__main__":
+    install()
     asyncio.run(work(sys.argv[1]))

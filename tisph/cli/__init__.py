@@ -67,12 +67,11 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "export": finished.export,
     "compare": finished.compare,
     "sweep": studies.sweep,
-    "fit": studies.fit,
     "rheometry": finished.rheometry,
 }
 for _name, _command in COMMANDS.items():
     app.command(_name)(reported(_command))
-app.command("stress", short_help="The former name of stability.")(reported(studies.stability))
+app.command("stress", hidden=True)(reported(studies.stability))  # its name in version 0.1
 
 
 def main() -> None:

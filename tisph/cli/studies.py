@@ -1,4 +1,4 @@
-"""Commands that make many runs: ``tisph verify``, ``stability`` (or ``stress``), ``sweep``, ``fit`` and ``bench``."""
+"""Commands that make many runs: ``tisph verify``, ``stability``, ``sweep`` and ``bench``."""
 
 import json
 from pathlib import Path
@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from tisph.cli.terminal import Overrides, out_folder
-from tisph.errors import DOUBTFUL, ConfigError, DoubtfulError
+from tisph.cli.terminal import out_folder
+from tisph.errors import ConfigError
 
 WALLS_FOLDER = Path("runs/verify-walls")
 
@@ -78,7 +78,7 @@ def verify(
         raise typer.Exit(1)
 
 
-STABILITY_FOLDER = Path("runs/stress")
+STABILITY_FOLDER = Path("runs/stability")
 
 
 def stability(
@@ -112,7 +112,9 @@ def stability(
         parts = sub_matrices(quick, only)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--only") from None
-    folder = out or STABILITY_FOLDER.with_name("stress-quick" if quick else "stress-part" if only else "stress")
+    folder = out or STABILITY_FOLDER.with_name(
+        "stability-quick" if quick else "stability-part" if only else "stability"
+    )
     passed = stability_report.run(folder, processes or runtime.available_threads(), parts)
     cells = json.loads((folder / stability_report.NUMBERS).read_text(encoding="utf-8"))["cells"]
     missed = [cell["name"] for cell in cells if not cell["met"]]
@@ -130,93 +132,32 @@ def sweep(
     scheduler: Annotated[
         str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Run on the workers of this Dask scheduler.")
     ] = None,
+    part: Annotated[
+        str | None,
+        typer.Option("--part", metavar="K/N", help="One of N parts, beside commands that make the others in DIR."),
+    ] = None,
     out: Annotated[Path | None, out_folder("Results [default: runs/NAME].")] = None,
 ) -> None:
     """Run a config with all values of some of its keys.
 
     Leaves a table (CSV and HDF5), costs and a picture in DIR, and names the cheapest run within the bound. Runs that
     have ended are kept: the same command goes on after Ctrl-C, and a larger study runs only new values. A run that
-    fails is a row with its message; exit status 1 only where none succeeds.
+    fails is a row with its message; exit status 1 only where none succeeds. Parts, such as the tasks of a job array,
+    share DIR at the same time; the part that ends last writes the table.
 
     \b
     Examples:
       tisph sweep study.yaml
       tisph sweep study.yaml --processes 2 --out runs/resolution
       tisph sweep study.yaml --scheduler tcp://machine:8786
+      tisph sweep study.yaml --part 3/20 --out /shared/study
     """
     from tisph import runtime
     from tisph.studies.sweep import run
 
-    rows = run(study, out, processes or runtime.available_threads(), scheduler)
-    if not any(row.status == "done" for row in rows):
+    rows = run(study, out, processes or runtime.available_threads(), scheduler, part)
+    if rows and not any(row.status == "done" for row in rows):
         raise typer.Exit(1)
-
-
-def fit(
-    data: Annotated[
-        list[Path], typer.Argument(metavar="DATA...", help="Velocities (as for compare), or columns of a rheometer.")
-    ],
-    config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the flow and its fluid.")],
-    free: Annotated[
-        list[str], typer.Option("--free", metavar="KEY=LOW..HIGH", help="A key to fit, and its bounds; repeat.")
-    ],
-    law: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--law", metavar="LAW", help="Fit this law, a name or a map, in place of that of the config; repeat."
-        ),
-    ] = None,
-    sigma: Annotated[
-        float | None,
-        typer.Option("--sigma", help="Noise, a part of the data [default: of replicates, else of the residuals]."),
-    ] = None,
-    time: Annotated[
-        list[float] | None,
-        typer.Option("--time", help="Time of velocities [default: what the file says]; repeat for several."),
-    ] = None,
-    columns: Annotated[
-        list[str] | None, typer.Option("--columns", metavar="x=1,y=2,u=3", help="Columns of velocities, if unusual.")
-    ] = None,
-    unit: Annotated[
-        list[str] | None, typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of velocities or places; repeat.")
-    ] = None,
-    overrides: Overrides = None,
-    processes: Annotated[
-        int | None, typer.Option("--processes", min=1, help="Runs at a time [default: one a core].")
-    ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")] = False,
-    out: Annotated[Path | None, out_folder("Results [default: runs/fit-NAME].")] = None,
-) -> None:
-    """Find values of keys of a config, such as those of the fluid, from measurements.
-
-    Prints and stores each value with its 95 % interval, correlations, and the noise; names keys that the data do not
-    determine, and says where the fit is a misfit: exit status 1. Leaves numbers, a table, a picture and the fitted
-    config in DIR. Exact solutions predict the data where there are any, else runs do, which are kept: the same command
-    goes on after Ctrl-C.
-
-    DATA are velocities at places and times, or columns with headings such as shear rate [1/s] and viscosity [Pa s];
-    angular frequency [rad/s], G' [Pa] and G'' [Pa]; time [s] and stress [Pa], torque, force or speed.
-
-    \b
-    Examples:
-      tisph fit curve.csv --config fluid.yaml --free fluid.dynamic_viscosity=0.1..10 --free fluid.rheology.index=0.3..1
-      tisph fit piv.csv --config couette.yaml --free fluid.rheology.relaxation_time=0.1..10 --sigma 0.01
-      tisph fit moduli.csv --config fluid.yaml --free fluid.rheology.relaxation_time=0.1..10 --law oldroyd_b --json
-    """
-    from tisph import runtime
-    from tisph.assessment.judge import Question
-    from tisph.studies import fit as fits
-
-    question = Question(time or (), columns or (), unit or ())
-    say = (lambda *words, **options: None) if as_json else print
-    count = processes or runtime.available_threads()
-    found, folder = fits.fit(config, data, free, law or (), sigma, question, overrides or (), out, count, say)
-    if as_json:
-        print((folder / fits.NUMBERS).read_text(encoding="utf-8"), end="")
-    for name in (fits.NUMBERS, fits.TABLE, fits.PICTURE, fits.FITTED):
-        say(folder / name)
-    if complaints := found[0].complaints:
-        raise DoubtfulError(DOUBTFUL + "; ".join(complaints))
 
 
 BENCH_FOLDER = Path("runs/bench")

@@ -365,10 +365,7 @@ class Results:
         return *read_history(self._files.history), read_resolved(self._files.history)
 
     def exact(self, field: str, x: "ArrayLike", y: "ArrayLike", t: "ArrayLike") -> np.ndarray:
-        """Return the reference for ``field`` (``u``, ``v``, ...) at places and times, which broadcast.
-
-        ConfigError where the scene has none for this field.
-        """
+        """Return the reference for ``field`` (``u``, ...) at places and times, which broadcast; or ConfigError."""
         scene = self._scene
         if field not in scene.fields:
             known = ", ".join(scene.fields) or "none"
@@ -432,7 +429,7 @@ class Results:
 
 
 def open_run(folder: "str | PathLike[str]") -> Results:
-    """Return the ``Results`` of a run, finished, interrupted or diverged; ConfigError for another ``folder``."""
+    """Return the ``Results`` of a run that ended, however it did; ConfigError where ``folder`` has no run."""
     results = Results(folder)
     if not Folder(results.folder).config.is_file():
         raise ConfigError(f"{results.folder}: is no folder of results, it has no config.resolved.yaml")

@@ -1,7 +1,7 @@
 """Taichi, imported and initialised in one place, and the threads of its loops.
 
 Everything that needs Taichi imports ``ti`` from here, whether that is Taichi or Quadrants (``_taichi``). Of Taichi
-1.7.4 three inner parts are replaced by faster ones (``_inner``): runs take less time, with bitwise the same results.
+1.7.4 four inner parts are replaced by faster ones (``_inner``): runs take less time, with bitwise the same results.
 """
 
 import contextlib

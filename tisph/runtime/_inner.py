@@ -1,4 +1,4 @@
-"""Three inner parts of Taichi 1.7.4 are replaced here: the launch of kernels, the layout of fields, and loops.
+"""Four inner parts of Taichi 1.7.4 are replaced here: launch of kernels, layout of fields, loops, and positions.
 
 The file is used with that version alone (``_taichi.KNOWN``), since any other version, and Quadrants, may have other
 inner parts; everything works without it. The results are the same to the last bit with this file and without it
@@ -30,6 +30,10 @@ run of couette.yaml with a full one takes an eighth longer. So LLVM must not kno
 a ``break`` on a condition in memory that is never true (``_build_for_that_may_end``). Where unrolling is faster, by
 measurement, or keeps a local vector out of memory, the loop is written ``for k in range(unrolled(n))``, or
 ``range(unrolled(first), end)``.
+
+Positions. For the message of an error that may come, Taichi draws the source lines around each expression that it
+translates: a sixth of the processor time of a run of couette_minimal.yaml with a full cache. ``_position`` names file
+and line alone.
 """
 
 import ast
@@ -40,6 +44,7 @@ import taichi as ti
 from taichi._lib import core
 from taichi.lang import impl, kernel_impl, misc
 from taichi.lang.ast.ast_transformer import ASTTransformer
+from taichi.lang.ast.ast_transformer_utils import ASTTransformerContext
 from taichi.lang.impl import PyTaichi, get_runtime
 from taichi.lang.kernel_impl import _BoundedDifferentiableMethod
 
@@ -67,6 +72,7 @@ def install() -> None:
     misc._parallelize = _parallelize_noted
     ASTTransformer.build_For = staticmethod(_build_for_that_may_end)
     ASTTransformer.build__Leave = staticmethod(_build_leave)
+    ASTTransformerContext.get_pos_info = _position
 
 
 def begin() -> None:
@@ -220,3 +226,8 @@ def _build_leave(context: Any, _: Any) -> None:
     builder.pop_scope()
     builder.begin_frontend_if_false()
     builder.pop_scope()
+
+
+def _position(self: Any, node: Any) -> str:
+    """Return file and line of a ``node`` of kernel source, for the message of an error in it."""
+    return f'File "{self.file}", line {node.lineno + self.lineno_offset}, in {self.func.func.__name__}:\n'

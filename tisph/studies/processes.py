@@ -9,14 +9,17 @@ import multiprocessing
 import os
 import runpy
 import sys
+import threading
 import time
-from collections.abc import Callable, Generator, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
+from filelock import Timeout
 
 from tisph import registry, version
 from tisph.folder import Folder
@@ -24,12 +27,15 @@ from tisph.results._results import Arrays
 
 METHOD = "forkserver" if sys.platform == "linux" else "spawn"
 
-COMPILED = ("tisph.schemes.implicit.channel.scheme", "tisph.schemes.wcsph._scheme")
-MODELS = (*registry.modules("scenes"), *registry.modules("schemes"))
-IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, __name__)
+PLANAR = ("tisph.schemes.implicit.planar.scheme", "scipy.sparse.linalg", "scipy.spatial")
+COMPILED = ("tisph.schemes.implicit.channel.scheme", "tisph.schemes.wcsph._scheme", *PLANAR)
+MODELS = (*registry.modules("scenes"), *registry.modules("schemes"), "tisph.schemes._forecast")
+IMPORTED = ("tisph.cli", "tisph.simulation", *MODELS, *COMPILED, "filelock", __name__)
 """Modules that the server imports; a run imports any others itself."""
 
 POLL_SECONDS = 0.02
+
+_starting = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -80,8 +86,27 @@ def prepare() -> None:
     if METHOD == "forkserver":
         from multiprocessing import forkserver  # not everywhere
 
-        forkserver.set_forkserver_preload(list(IMPORTED))
-        forkserver.ensure_running()
+        with _as_command():
+            forkserver.set_forkserver_preload(list(IMPORTED))
+            forkserver.ensure_running()
+
+
+@contextmanager
+def _as_command() -> Iterator[None]:
+    """Let processes that start inside be processes of the command line, whatever script or notebook this one runs.
+
+    They do not import the script, and have the environment of ``tisph.__main__``.
+    """
+    with _starting:
+        script, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+        given = os.environ.get("OPENBLAS_NUM_THREADS")
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        try:
+            yield
+        finally:
+            sys.modules["__main__"] = script
+            if given is None:
+                del os.environ["OPENBLAS_NUM_THREADS"]
 
 
 def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProcess:
@@ -93,7 +118,8 @@ def start(arguments: list, messages: Path) -> multiprocessing.process.BaseProces
     words = [str(each) for each in arguments]
     context: Any = multiprocessing.get_context(METHOD)  # the type of a context without a method has no Process
     process = context.Process(target=_run_command, args=(words, str(messages)))
-    process.start()
+    with _as_command():
+        process.start()
     return process
 
 
@@ -114,7 +140,7 @@ class Process:
     """``tisph run`` of the config ``config_path`` into ``folder``, without pictures; it replaces an earlier run there.
 
     With ``resume`` it continues the earlier run from its checkpoint instead. ``estimated``: add ``--estimate-error``.
-    After ``seconds`` it is stopped.
+    After ``seconds`` it is stopped. ``stop`` closes the ``lock``.
     """
 
     def __init__(
@@ -124,8 +150,9 @@ class Process:
         resume: bool = False,
         seconds: float = math.inf,
         estimated: bool = False,
+        lock: ExitStack | None = None,
     ):
-        self.folder = folder
+        self.folder, self._lock = folder, lock
         self._seconds, self._began, self._late = seconds, time.perf_counter(), False
         self._messages = folder.with_name(f"{folder.name}.messages")  # a pipe could fill up; stop() removes it
         command: list[Any] = [
@@ -165,6 +192,8 @@ class Process:
             self._process.join()
         with suppress(OSError):
             self._messages.unlink()
+        if self._lock:
+            self._lock.close()
 
     def _error(self) -> str:
         """Return the standard error without its progress lines."""
@@ -199,18 +228,38 @@ def run_resumed(config_path: Path, folder: Path) -> tuple[Result, str]:
     return run_config(config_path, folder, resume=True)
 
 
-def run_side_by_side(names: Iterable[str], launch: Callable[[str], Process], most: int) -> Outcomes:
+@dataclass(frozen=True)
+class Ended:
+    """In place of a ``Process``: a run that another command has made."""
+
+    result: Result
+    message: str
+    finished: bool = True
+
+    def outcome(self) -> tuple[Result, str]:
+        """Return the ``Result`` of the run and its error message, empty if it is done."""
+        return self.result, self.message
+
+    def stop(self) -> None:
+        """Do nothing."""
+
+
+def run_side_by_side(names: Iterable[str], launch: Callable[[str], Process | Ended], most: int) -> Outcomes:
     """Run ``launch(name)`` for each of ``names``, at most ``most`` at a time; yield the outcomes as the runs end.
 
-    Processes that still run when the caller stops iterating are stopped.
+    A run for which ``launch`` raises Timeout, since another command makes it, is left for later. Processes that still
+    run when the caller stops iterating are stopped.
     """
     waiting = list(names)
-    running: dict[str, Process] = {}
+    running: dict[str, Process | Ended] = {}
     try:
         while waiting or running:
-            while waiting and len(running) < most:
-                name = waiting.pop(0)
-                running[name] = launch(name)
+            for name in waiting[:]:
+                if len(running) == most:
+                    break
+                with suppress(Timeout):
+                    running[name] = launch(name)
+                    waiting.remove(name)
             for name in [name for name, process in running.items() if process.finished]:
                 process = running.pop(name)
                 outcome = process.outcome()

@@ -29,7 +29,7 @@ from tisph.studies.store import START_SECONDS, Engine, Store, claimed
 from tisph.text_table import format_header, format_row, format_table
 from tisph.version import __version__
 
-NUMBERS, TABLES, PICTURE = "stress.json", "stress.md", "stress.png"
+NUMBERS, TABLES, PICTURE = "stability.json", "stability.md", "stability.png"
 
 NUMBERS_JUDGED = {
     "error": ("error", "{:.1e}", 7),
@@ -53,7 +53,7 @@ OLD_KEYS = {
     "hole": "max_void_radius",
     "nearest_two": "min_distance",
 }
-"""Former key of a number of a cell, which stress.json still has -> its key."""
+"""Former key of a number of a cell, which stability.json still has -> its key."""
 
 LABELS = {
     "reynolds": "Re {:g}",
@@ -150,7 +150,7 @@ def _line(row: Judgement) -> tuple[str, ...]:
 
 
 def _write(folder: Path, rows: Rows, processes: int, complete: bool, **more: Any) -> None:
-    """Write the numbers of all ``rows`` into ``stress.json``, with ``more`` keys."""
+    """Write the numbers of all ``rows`` into ``stability.json``, with ``more`` keys."""
     cells = []
     for row in rows.values():
         data = {

@@ -9,7 +9,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
 from tisph.folder import held
-from tisph.studies.processes import POLL_SECONDS, Outcomes, Process, Result, read_result, run_side_by_side
+from tisph.studies.processes import Ended, Outcomes, Process, Result, read_result, run_side_by_side
 
 WITHOUT_EFFECT = ("cli/", "interface", "assessment/", "report/", "results/", "studies/", "schemes/_estimate")
 """Parts of the package on which no number of a run depends."""
@@ -48,13 +48,15 @@ def fingerprint() -> str:
 
 
 @contextmanager
-def claimed(folder: Path, taken: str) -> Iterator[None]:
+def claimed(folder: Path, taken: str, alone: bool = True) -> Iterator[None]:
     """Lock ``folder``, created if missing, against other commands; on Ctrl-C print that its runs are kept.
 
-    Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written.
+    Raises ConfigError, with the words ``taken`` where another command holds it, and where it cannot be written. A
+    command that is not ``alone`` shares the folder with others, whose runs have locks of their own.
     """
     try:
-        with held(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+        with held(folder) if alone else nullcontext():
             yield
     except Timeout:
         raise ConfigError(f"--out {folder}: {taken}; choose another folder") from None
@@ -73,15 +75,19 @@ class Store:
         self._code = fingerprint()
         folder.mkdir(exist_ok=True)
 
-    def kept(self, name: str, config: dict[str, Any]) -> tuple[Result, str] | None:
-        """Return ``Result`` and message of a run that ended, with this config and this code; None without one."""
+    def kept(self, name: str, config: dict[str, Any], failed: bool = False) -> tuple[Result, str] | None:
+        """Return ``Result`` and message of a run that ended, with this config and this code; None without one.
+
+        Runs that ``failed``, which are not kept but made again, are returned on request alone.
+        """
         path = self.folder / f"{name}.yaml"
         if not path.is_file() or path.read_text(encoding="utf-8") != self._text(name, config):
             return None
         result = read_result(self.folder / name)
-        if result.summary["status"] not in ("done", "diverged"):
-            return None
-        return result, result.summary.get("message", "")
+        message = result.summary.get("message", "") or self._read_error(name)
+        if result.summary["status"] in ("done", "diverged") or (failed and message):
+            return result, message
+        return None
 
     def outcome(self, name: str, config: dict[str, Any]) -> tuple[Result, str]:
         """Return ``Result`` and message of one run, kept or new."""
@@ -89,7 +95,7 @@ class Store:
         return result, message
 
     def outcomes(
-        self, configs: dict[str, dict[str, Any]], most: int, launch: Callable[[str], Process] | None = None
+        self, configs: dict[str, dict[str, Any]], most: int, launch: Callable[[str], Process | Ended] | None = None
     ) -> Outcomes:
         """Yield (name, ``Result``, message) of every run of ``configs`` (name -> config), the kept runs first.
 
@@ -104,22 +110,26 @@ class Store:
                 missing.append(name)
         start = launch or (lambda name: self.launch(name, configs[name]))
         with closing(run_side_by_side(missing, start, most)) as ended:
-            yield from ended
+            for name, result, message in ended:
+                self._write_error(name, result, message)
+                yield name, result, message
 
-    def launch(self, name: str, config: dict[str, Any], seconds: float = math.inf) -> Process:
+    def launch(self, name: str, config: dict[str, Any], seconds: float = math.inf) -> Process | Ended:
         """Start the run as a ``Process`` of at most ``seconds``; it replaces an earlier run of this name.
 
-        Waits while a run of an earlier command, which was killed, still uses the folder.
+        Another command may have made the run meanwhile: it is ``Ended`` then. Raises filelock's Timeout while a run of
+        another command, or of an earlier one that was killed, uses the folder.
         """
         folder = self.folder / name
-        while folder.is_dir():
-            try:
-                with held(folder):
-                    break
-            except Timeout:
-                time.sleep(POLL_SECONDS)
-        (folder / "summary.json").unlink(missing_ok=True)
-        return Process(self.write(name, config), folder, seconds=seconds)
+        with ExitStack() as lock:
+            lock.enter_context(held(self.folder, f"{name}.lock"))
+            with held(folder):
+                pass
+            if kept := self.kept(name, config):
+                return Ended(*kept)
+            (folder / "summary.json").unlink(missing_ok=True)
+            self._error_path(name).unlink(missing_ok=True)
+            return Process(self.write(name, config), folder, seconds=seconds, lock=lock.pop_all())
 
     def write(self, name: str, config: dict[str, Any]) -> Path:
         """Write the config of a run into its file, and return the path."""
@@ -127,14 +137,29 @@ class Store:
         path.write_text(self._text(name, config), encoding="utf-8")
         return path
 
-    def keep(self, name: str, config: dict[str, Any], files: dict[str, bytes]) -> Result:
-        """Store the ``files`` (name -> content) of a run that was made elsewhere; return its ``Result``."""
+    def keep(self, name: str, config: dict[str, Any], files: dict[str, bytes], message: str) -> Result:
+        """Store ``files`` (name -> content) and ``message`` of a run that was made elsewhere; return its ``Result``."""
         folder = self.folder / name
         folder.mkdir(exist_ok=True)
         for file, content in files.items():
             (folder / file).write_bytes(content)
         self.write(name, config)
-        return read_result(folder)
+        result = read_result(folder)
+        self._write_error(name, result, message)
+        return result
+
+    def _error_path(self, name: str) -> Path:
+        return self.folder / f"{name}.error"
+
+    def _read_error(self, name: str) -> str:
+        path = self._error_path(name)
+        return path.read_text(encoding="utf-8") if path.is_file() else ""
+
+    def _write_error(self, name: str, result: Result, message: str) -> None:
+        """Store the ``message`` of a run whose summary has none: a process that crashed, or a goal not reached."""
+        self._error_path(name).unlink(missing_ok=True)
+        if message and "message" not in result.summary:
+            self._error_path(name).write_text(message, encoding="utf-8")
 
     def _text(self, name: str, config: dict[str, Any]) -> str:
         return f"# code {self._code}\n{config_text(name, config)}"
@@ -180,11 +205,12 @@ class Engine:
         of processes on this one.
         """
 
-        def launch(name: str) -> Process:
+        def launch(name: str) -> Process | Ended:
+            limit = PATIENCE * self._seconds[name] + ALLOWANCE if limited else math.inf
+            process = self._store.launch(name, configs[name], limit)
             self._running.append(name)
             self._show()
-            limit = PATIENCE * self._seconds[name] + ALLOWANCE if limited else math.inf
-            return self._store.launch(name, configs[name], limit)
+            return process
 
         with closing(source or self._store.outcomes(configs, self._processes, launch)) as ended:
             for name, result, message in ended:

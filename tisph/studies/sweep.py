@@ -23,17 +23,20 @@ import itertools
 import json
 import math
 import multiprocessing
+import re
 import statistics
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable
+from concurrent.futures import Executor, as_completed
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+from filelock import Timeout
 from matplotlib.axes import Axes
 from rich.console import Console
 
@@ -44,7 +47,7 @@ from tisph.config.loader import override_texts
 from tisph.config.schema import Config
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
-from tisph.folder import hdf5_file, replaced
+from tisph.folder import hdf5_file, held, replaced
 from tisph.measures.metrics import fitted_order, sample_metrics
 from tisph.measures.steadiness import with_followed
 from tisph.report import style
@@ -52,7 +55,7 @@ from tisph.results import open_run
 from tisph.rheometry import rheometers
 from tisph.schemes._forecast import forecast
 from tisph.studies.processes import Outcomes, Result, prepare, run_config
-from tisph.studies.store import Engine, Store, claimed, config_text, fingerprint
+from tisph.studies.store import START_SECONDS, Engine, Store, claimed, config_text, fingerprint
 from tisph.studies.suites import document
 from tisph.text_table import format_table
 
@@ -69,6 +72,8 @@ MOST_REASONS = 10
 
 MOST_LINES = 12
 """Largest number of lines in a panel of the picture with a legend."""
+
+TAKEN = "another sweep is running there"
 
 RESOLUTION = ("discretisation.particles_across", "discretisation.spacing", "time.cfl", "time.tolerance")
 """Keys of the resolution in space and time: the error scales with a power of them."""
@@ -243,6 +248,19 @@ class Row:
     seconds: float | None = None
     total: float | None = None
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """Values of the row in the table by the names of its columns."""
+        return {
+            "run": self.case.name,
+            **self.case.values,
+            "status": self.status,
+            "particles": self.particles,
+            "steps": self.steps,
+            **self.numbers,
+            "message": self.message,
+        }
+
 
 def row(study: Study, case: Case, result: Result | None, message: str) -> Row:
     """Return the ``Row`` of a run from its ``result``, which is None for a refused config.
@@ -277,18 +295,10 @@ def _is_number(value: Any) -> bool:
 
 def write(study: Study, rows: list[Row], folder: Path) -> None:
     """Write all files from ``rows``, in the order of the cases."""
-    names = [each.case.name for each in rows]
-    computed: dict[str, list] = {
-        "run": names,
-        **{key: [each.case.values[key] for each in rows] for key in study.keys},
-        "status": [each.status for each in rows],
-        "particles": [each.particles for each in rows],
-        "steps": [each.steps for each in rows],
-        **{name: [each.numbers[name] for each in rows] for name in study.collect},
-        "message": [each.message for each in rows],
-    }
+    names = ("run", *study.keys, "status", "particles", "steps", *study.collect, "message")
+    computed = {name: [each.record[name] for each in rows] for name in names}
     costs: dict[str, list] = {
-        "run": names,
+        "run": computed["run"],
         "loop_s": [each.seconds for each in rows],
         "total_s": [each.total for each in rows],
     }
@@ -394,42 +404,87 @@ def draw_lines(axes: Axes, lines: list[StyledLine], label: str, key: str) -> Non
     axes.grid(True, which="both")
 
 
-def run(path: str | Path, folder: Path | None, processes: int, scheduler: str | None = None) -> list[Row]:
+def run(
+    path: str | Path,
+    folder: Path | None,
+    processes: int,
+    scheduler: str | None = None,
+    part: str | None = None,
+    executor: Executor | None = None,
+) -> list[Row]:
     """Run the study in the file ``path`` and leave its results in ``folder``; return the rows in the study's order.
 
-    ``processes`` runs at a time on this machine, or on the workers of the ``scheduler`` at an address. Runs that have
-    ended are kept and not run again. Raises ConfigError where the study or the folder cannot be used.
+    ``processes`` runs at a time on this machine, or on an ``executor``, or on the workers of the Dask ``scheduler`` at
+    an address. ``part``, such as 3/20: make the runs of one part of 20, beside commands that make the others. Runs that
+    have ended are kept and not run again. Raises ConfigError where the study or the folder cannot be used.
     """
-    if not scheduler:
+    share = part_of(part) if part else None
+    if not (scheduler or executor):
         prepare()
     with Console(stderr=True).status("checking the configs"):
         study = read(path)
     folder = Path(folder or Path("runs") / study.name)
-    with claimed(folder, "another sweep is running there"):
-        return Sweep(study, folder).run(processes, scheduler)
+    with ExitStack() as stack:
+        stack.enter_context(claimed(folder, TAKEN, alone=share is None))
+        if scheduler:
+            executor = stack.enter_context(_connected(scheduler)).get_executor()
+        return Sweep(study, folder, share).run(processes, executor)
+
+
+def part_of(text: str) -> tuple[int, int]:
+    """Return (3, 20) for the part 3/20; ConfigError for another text."""
+    found = re.fullmatch(r"(\d+)/(\d+)", text)
+    part, count = map(int, found.groups()) if found else (0, 0)
+    if not 1 <= part <= count:
+        raise ConfigError(f"--part {text}: must be one of 1/N to N/N, such as 3/20, the third of 20 parts")
+    return part, count
+
+
+def split(seconds: dict[str, float], count: int) -> list[set[str]]:
+    """Return ``count`` sets of the names of runs with about equal sums of their estimated ``seconds``.
+
+    Every command that reads the same study finds the same sets: the longest runs first, each into the shortest set.
+    """
+    parts: list[set[str]] = [set() for _ in range(count)]
+    sums = [0.0] * count
+    for name in sorted(seconds, key=lambda each: (-seconds[each], each)):
+        shortest = sums.index(min(sums))
+        parts[shortest].add(name)
+        sums[shortest] += seconds[name] + START_SECONDS
+    return parts
 
 
 class Sweep:
-    """The known rows of a study, kept in ``folder``; at first the rows of refused configs and of kept runs."""
+    """The known rows of a study, kept in ``folder``; at first the rows of refused configs and of kept runs.
 
-    def __init__(self, study: Study, folder: Path):
+    ``part``: (3, 20) makes the runs of the third of 20 parts; None makes all.
+    """
+
+    def __init__(self, study: Study, folder: Path, part: tuple[int, int] | None = None):
         self.study, self.folder = study, folder
         self.store = Store(folder / "runs")
         self.cases = {case.name: case for case in reversed(study.cases)}
         self.known: dict[str, Row] = {}
-        for case in study.cases:
+        self._part = part
+        self._read_kept()
+
+    def _read_kept(self, failed: bool = False) -> None:
+        """Read the rows of all runs that have ended, with those that ``failed`` on request."""
+        for name, case in self.cases.items():
+            if name in self.known:
+                continue
             if case.config is None:
-                self.known[case.name] = row(study, self.cases[case.name], None, case.refusal or "")
-            elif kept := self.store.kept(case.name, case.config):
-                self.known[case.name] = row(study, self.cases[case.name], *kept)
+                self.known[name] = row(self.study, case, None, case.refusal or "")
+            elif kept := self.store.kept(name, case.config, failed):
+                self.known[name] = row(self.study, case, *kept)
 
     @property
     def rows(self) -> list[Row]:
         """Rows of the known cases in their order; cases of equal configs share one run."""
         return [replace(self.known[case.name], case=case) for case in self.study.cases if case.name in self.known]
 
-    def run(self, processes: int, scheduler: str | None) -> list[Row]:
-        """Run the missing cases; print and write the rows as runs end."""
+    def run(self, processes: int, executor: Executor | None) -> list[Row]:
+        """Run the missing cases, or those of the part; print the rows as runs end. Return and write all rows."""
         study, count = self.study, len(self.study.cases)
         missing = {case.name: case for case in study.cases if case.name not in self.known}
         print(f"{count} runs, {count - len(missing)} of them known", flush=True)
@@ -438,21 +493,49 @@ class Sweep:
             print(f"refused, {times} of {count}: {reason}")
         if len(refused) > MOST_REASONS:
             print(f"further reasons: {len(refused) - MOST_REASONS}, in {TABLE}")
+        if self._part:
+            self._run_part(missing, processes, executor)
+            return self.rows
         try:
             if missing:
-                self._run(missing, processes, scheduler)
+                self._run(missing, processes, executor)
         finally:
             write(study, self.rows, self.folder)
-        drawn = plot(study, self.rows, self.folder / PICTURE)
-        print(f"\n{conclusion(study, self.rows)}\n")
-        for name in (TABLE, COSTS, ARRAYS, *([PICTURE] if drawn else [])):
-            print(self.folder / name)
+        self._conclude()
         return self.rows
 
-    def _run(self, missing: dict[str, Case], processes: int, scheduler: str | None) -> None:
+    def _run_part(self, missing: dict[str, Case], processes: int, executor: Executor | None) -> None:
+        """Run the cases of the part; write all rows if the runs of the other parts have ended."""
+        part, parts = self._part or (1, 1)
+        seconds = {name: case.seconds for name, case in self.cases.items() if case.config is not None}
+        share = split(seconds, parts)[part - 1]
+        own = {name: case for name, case in missing.items() if name in share}
+        print(f"part {part} of {parts}: {len(share)} runs, {len(share) - len(own)} of them known", flush=True)
+        if own:
+            self._run(own, processes, executor)
+        self._read_kept(failed=True)
+        left = len(self.cases) - len(self.known)
+        if left:
+            print(f"{left} runs of other parts are missing: the part that ends last writes {self.folder / TABLE}")
+            return
+        try:
+            with held(self.folder):
+                write(self.study, self.rows, self.folder)
+                self._conclude()
+        except Timeout:
+            print(f"another command writes {self.folder / TABLE}")
+
+    def _conclude(self) -> None:
+        """Draw the picture, and print the conclusion and the paths of the files."""
+        drawn = plot(self.study, self.rows, self.folder / PICTURE)
+        print(f"\n{conclusion(self.study, self.rows)}\n")
+        for name in (TABLE, COSTS, ARRAYS, *([PICTURE] if drawn else [])):
+            print(self.folder / name)
+
+    def _run(self, missing: dict[str, Case], processes: int, executor: Executor | None) -> None:
         study, error = self.study, self.study.error
         configs = {name: case.config for name, case in missing.items() if case.config is not None}
-        source = on_workers(configs, self.store, scheduler) if scheduler else None
+        source = on_executor(configs, self.store, executor) if executor else None
         engine = Engine(self.store, processes, {name: case.seconds for name, case in missing.items()})
         with engine, closing(engine.outcomes(configs, source=source)) as outcomes:
             for count, (name, result, message) in enumerate(outcomes, 1):
@@ -462,7 +545,8 @@ class Sweep:
                 text = f"{error} {number:.2e}" if number is not None else found.message or found.status
                 left = f"  ({engine.seconds_left:.0f} s left)" if count < len(missing) else ""
                 engine.say(f"{count}/{len(missing)}  {values}: {text}{left}")
-                write(study, self.rows, self.folder)
+                if not self._part:
+                    write(study, self.rows, self.folder)
 
 
 def conclusion(study: Study, rows: list[Row]) -> str:
@@ -487,29 +571,27 @@ def conclusion(study: Study, rows: list[Row]) -> str:
     return "\n".join([*lines, f"cheapest run{within}: {setting}: {cost}"])
 
 
-def on_workers(configs: dict[str, dict[str, Any]], store: Store, address: str) -> Outcomes:
-    """Yield (name, ``Result``, message) of runs as they end on the workers of the Dask scheduler at ``address``.
+def on_executor(configs: dict[str, dict[str, Any]], store: Store, executor: Executor) -> Outcomes:
+    """Yield (name, ``Result``, message) of runs as they end on the workers of an ``executor``.
 
     ``configs`` (name -> config). A worker needs tisph, of the same code, and nothing else: the config is sent to it,
-    and the files of the run are sent back. A run whose worker dies is run again.
+    and the files of the run are sent back.
     """
-    distributed = _imported()
-    with _connected(distributed, address) as client:
-        code = fingerprint()
-        keys = {name: f"{name}-{code}" for name in configs}
-        futures = [client.submit(run_on_worker, name, configs[name], code, key=key) for name, key in keys.items()]
-        try:
-            for future in distributed.as_completed(futures):
-                name, files, message = future.result()
-                yield name, store.keep(name, configs[name], files), message
-        finally:
-            client.cancel([future for future in futures if not future.done()])
+    code = fingerprint()
+    futures = [executor.submit(run_on_worker, name, config, code) for name, config in configs.items()]
+    try:
+        for future in as_completed(futures):
+            name, files, message = future.result()
+            yield name, store.keep(name, configs[name], files, message), message
+    finally:
+        for future in futures:
+            future.cancel()
 
 
 def run_on_worker(name: str, config: dict[str, Any], code: str) -> tuple[str, dict[str, bytes], str]:
     """Run a config in an empty folder of a worker; return its name, its files by name, and its message."""
     if fingerprint() != code:
-        raise ConfigError("--scheduler: a worker has another version of tisph than this command")
+        raise ConfigError("a worker has another version of tisph than this command")
     multiprocessing.current_process().daemon = False  # Dask makes it a daemon, which may start no process
     with tempfile.TemporaryDirectory(prefix="tisph-sweep-") as scratch:
         path, folder = Path(scratch) / f"{name}.yaml", Path(scratch) / name
@@ -527,11 +609,10 @@ def _imported() -> Any:
     return distributed
 
 
-@contextmanager
-def _connected(distributed: Any, address: str) -> Iterator[Any]:
+def _connected(address: str) -> Any:
+    """Return a client of the Dask scheduler at ``address``, a context."""
+    distributed = _imported()
     try:
-        client = distributed.Client(address, timeout="10s")
+        return distributed.Client(address, timeout="10s")
     except (OSError, ValueError, TimeoutError) as error:
         raise ConfigError(f"--scheduler {address}: cannot be reached: {error}") from None
-    with client:
-        yield client

@@ -21,18 +21,19 @@ from tisph.version import __version__ as __version__  # isort: skip (it notes wh
 from tisph import errors as errors
 
 if TYPE_CHECKING:
-    from tisph.interface import check, run, sweep
+    from tisph.interface import check, fit, run, sweep
     from tisph.observers.protocol import every
     from tisph.results import Results
     from tisph.results import open_run as open
     from tisph.simulation.simulation import Simulation
 
-__all__ = ["Results", "Simulation", "check", "every", "open", "run", "sweep"]
+__all__ = ["Results", "Simulation", "check", "every", "fit", "open", "run", "sweep"]
 
 _PLACES = {
     "run": ("tisph.interface", "run"),
     "check": ("tisph.interface", "check"),
     "sweep": ("tisph.interface", "sweep"),
+    "fit": ("tisph.interface", "fit"),
     "open": ("tisph.results", "open_run"),
     "Results": ("tisph.results", "Results"),
     "Simulation": ("tisph.simulation.simulation", "Simulation"),

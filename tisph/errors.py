@@ -29,6 +29,14 @@ class UnreachedError(TisphError):
     """No run has an error inside its goal; the message names the number and the reason. The best run is kept."""
 
 
+DOUBTFUL = "the fit is doubtful: "
+"""Beginning of the message of a ``DoubtfulError``."""
+
+
+class DoubtfulError(TisphError):
+    """A fit is a misfit, or the data do not determine a key; the message says which. All results are written."""
+
+
 class UnsolvedError(TisphError, ArithmeticError):
     """The solution for a reference failed; the message names the time up to which there is one."""
 

@@ -6,6 +6,7 @@ terminal, as lines elsewhere.
 
 import _thread
 import io
+import json
 import os
 import subprocess
 import sys
@@ -20,7 +21,7 @@ from typing import Any
 
 from tisph import events
 from tisph.config.loader import Asked, config_file, loaded, override_texts
-from tisph.errors import INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
+from tisph.errors import DOUBTFUL, INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
 
@@ -186,8 +187,7 @@ def sweep(
 ) -> list[dict[str, Any]]:
     """Run a study (YAML file or dict, as for ``tisph sweep``) into ``out`` [runs/NAME]; return the rows of its table.
 
-    ``processes`` runs at a time, by default one a core; or on the workers of any ``concurrent.futures.Executor``. Runs
-    that have ended are kept: an interrupted call goes on. Each run has a process of its own. Nothing is printed.
+    ``processes`` runs at a time [one a core], or on those of any ``concurrent.futures.Executor``. Ended runs are kept.
     """
     from tisph import runtime
     from tisph.studies.sweep import run
@@ -195,6 +195,32 @@ def sweep(
     count, folder = processes or runtime.available_threads(), None if out is None else Path(out)
     with config_file(study) as path, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
         return [row.record for row in run(path, folder, count, executor=executor)]
+
+
+def fit(
+    data: str | PathLike[str],
+    config: Asked,
+    /,
+    free: Mapping[str, tuple[float, float]],
+    out: str | PathLike[str] | None = None,
+    *,
+    laws: Sequence[str] = (),
+    sigma: float | None = None,
+    **overrides: Any,
+) -> dict[str, Any]:
+    """Fit keys to the file ``data`` as ``tisph fit``, free={"fluid.density": (low, high)}; return ``fit.json``."""
+    with config_file(config) as path, shown(False) as show:
+        options = [part for key, (low, high) in free.items() for part in ("--free", f"{key}={low}..{high}")]
+        options += [part for law in laws for part in ("--law", law)]
+        options += [part for text in override_texts(overrides) for part in ("--set", text)]
+        options += [] if sigma is None else ["--sigma", str(sigma)]
+        folder = Path("runs") / f"fit-{loaded(path, overrides).name}" if out is None else Path(out)
+        try:
+            command(["fit", *options, "--config", path, "--out", fspath(folder), "--", fspath(data)], show)
+        except TisphError as error:
+            if not str(error).startswith(DOUBTFUL):
+                raise
+    return dict(json.loads((folder / "fit.json").read_text(encoding="utf-8")))
 
 
 @dataclass(frozen=True)
@@ -225,7 +251,7 @@ class RunEstimate:
 
 
 def check(config: Asked, /, **overrides: Any) -> RunEstimate:
-    """Check a config (as for ``run``) and return estimates for its run; nothing is run, written or printed."""
+    """Return estimates for the run of a config (as for ``run``); nothing is run. ConfigError as ``tisph check``."""
     from tisph.config import load
     from tisph.schemes._forecast import described, forecast
 

@@ -36,6 +36,7 @@ SIZES = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0},
     "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "lb": 0.45359237},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "mPa": 1e-3, "bar": 1e5},
+    "force": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "kN": 1e3},
 }
 """Base quantity -> name of a unit -> its size in the SI unit."""
 
@@ -44,6 +45,11 @@ POWERS = {
     "velocity": {"length": 1, "time": -1},
     "density": {"mass": 1, "length": -3},
     "pressure": {"mass": 1, "length": -1, "time": -2},
+    "rate": {"time": -1},
+    "viscosity": {"mass": 1, "length": -1, "time": -1},
+    "force": {"mass": 1, "length": 1, "time": -2},
+    "torque": {"mass": 1, "length": 2, "time": -2},
+    "force per length": {"mass": 1, "time": -2},
 }
 """Quantity -> powers of length, time and mass. Stresses are pressures."""
 
@@ -67,7 +73,7 @@ def in_config(frame: Frame, texts: Sequence[str] | None, labels: Any, path: Path
         quantity, equals, unit = (part.strip() for part in text.partition("="))
         if not equals or quantity not in POWERS:
             raise ConfigError(f"--unit {text}: must look like length=cm, for one of {', '.join(POWERS)}")
-        given[quantity] = _factor(quantity, unit, labels, f"--unit {text}")
+        given[quantity] = factor(quantity, unit, labels, f"--unit {text}")
     for name in (*frame.columns, "time"):
         if name == "temperature":  # which nothing converts
             factors[name] = 1.0
@@ -77,7 +83,7 @@ def in_config(frame: Frame, texts: Sequence[str] | None, labels: Any, path: Path
         if stated and quantity in given:
             notes.append(f"the file says that {name} is in {stated}, --unit {quantity} was taken")
         elif stated:
-            factors[name] = _factor(quantity, stated, labels, f"{path}: {name} [{stated}]")
+            factors[name] = factor(quantity, stated, labels, f"{path}: {name} [{stated}]")
             notes += [f"{name} is in {stated}, as the file says"] if factors[name] != 1.0 else []
         elif quantity not in given:
             for base, power in POWERS[quantity].items():
@@ -90,7 +96,7 @@ def in_config(frame: Frame, texts: Sequence[str] | None, labels: Any, path: Path
     return replace(frame, columns=columns, time=time, notes=(*frame.notes, *notes))
 
 
-def _factor(quantity: str, unit: str, labels: Any, where: str) -> float:
+def factor(quantity: str, unit: str, labels: Any, where: str) -> float:
     """Return one ``unit`` of the data, such as ``mm``, ``kg/m^3`` or a number, in the unit of the config."""
     try:
         return float(unit)
@@ -122,6 +128,8 @@ def _symbols(labels: Any) -> dict[str, tuple[float, dict[str, int]]]:
     if {"m", "s", "kg"} <= found.keys():
         pascal = found["kg"][0] / found["m"][0] / found["s"][0] ** 2
         found |= {symbol: (size * pascal, POWERS["pressure"]) for symbol, size in SIZES["pressure"].items()}
+        newton = pascal * found["m"][0] ** 2
+        found |= {symbol: (size * newton, POWERS["force"]) for symbol, size in SIZES["force"].items()}
     return found
 
 

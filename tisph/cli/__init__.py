@@ -67,6 +67,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "export": finished.export,
     "compare": finished.compare,
     "sweep": studies.sweep,
+    "fit": studies.fit,
     "rheometry": finished.rheometry,
 }
 for _name, _command in COMMANDS.items():

@@ -1,4 +1,4 @@
-"""Commands that make many runs: ``tisph verify``, ``stability``, ``sweep`` and ``bench``."""
+"""Commands that make many runs: ``tisph verify``, ``stability``, ``sweep``, ``fit`` and ``bench``."""
 
 import json
 from pathlib import Path
@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from tisph.cli.terminal import out_folder
-from tisph.errors import ConfigError
+from tisph.cli.terminal import Overrides, out_folder
+from tisph.errors import DOUBTFUL, ConfigError, DoubtfulError
 
 WALLS_FOLDER = Path("runs/verify-walls")
 
@@ -158,6 +158,73 @@ def sweep(
     rows = run(study, out, processes or runtime.available_threads(), scheduler, part)
     if rows and not any(row.status == "done" for row in rows):
         raise typer.Exit(1)
+
+
+def fit(
+    data: Annotated[
+        list[Path], typer.Argument(metavar="DATA...", help="Velocities (as for compare), or columns of a rheometer.")
+    ],
+    config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the flow and its fluid.")],
+    free: Annotated[
+        list[str], typer.Option("--free", metavar="KEY=LOW..HIGH", help="A key to fit, and its bounds; repeat.")
+    ],
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="LAW", help="Fit this law, a name or a map, in place of that of the config; repeat."
+        ),
+    ] = None,
+    sigma: Annotated[
+        float | None,
+        typer.Option("--sigma", help="Noise, a part of the data [default: of replicates, else of the residuals]."),
+    ] = None,
+    time: Annotated[
+        list[float] | None,
+        typer.Option("--time", help="Time of velocities [default: what the file says]; repeat for several."),
+    ] = None,
+    columns: Annotated[
+        list[str] | None, typer.Option("--columns", metavar="x=1,y=2,u=3", help="Columns of velocities, if unusual.")
+    ] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option("--unit", metavar="QUANTITY=UNIT", help="Unit of velocities or places; repeat.")
+    ] = None,
+    overrides: Overrides = None,
+    processes: Annotated[
+        int | None, typer.Option("--processes", min=1, help="Runs at a time [default: one a core].")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")] = False,
+    out: Annotated[Path | None, out_folder("Results [default: runs/fit-NAME].")] = None,
+) -> None:
+    """Find values of keys of a config, such as those of the fluid, from measurements.
+
+    Prints and stores each value with its 95 % interval, correlations, and the noise; names keys that the data do not
+    determine, and says where the fit is a misfit: exit status 1. Leaves numbers, a table, a picture and the fitted
+    config in DIR. Exact solutions predict the data where there are any, else runs do, which are kept: the same command
+    goes on after Ctrl-C.
+
+    DATA are velocities at places and times, or columns with headings such as shear rate [1/s] and viscosity [Pa s];
+    angular frequency [rad/s], G' [Pa] and G'' [Pa]; time [s] and stress [Pa], torque, force or speed.
+
+    \b
+    Examples:
+      tisph fit curve.csv --config fluid.yaml --free fluid.dynamic_viscosity=0.1..10 --free fluid.rheology.index=0.3..1
+      tisph fit piv.csv --config couette.yaml --free fluid.rheology.relaxation_time=0.1..10 --sigma 0.01
+      tisph fit moduli.csv --config fluid.yaml --free fluid.rheology.relaxation_time=0.1..10 --law oldroyd_b --json
+    """
+    from tisph import runtime
+    from tisph.assessment.judge import Question
+    from tisph.studies import fit as fits
+
+    question = Question(time or (), columns or (), unit or ())
+    say = (lambda *words, **options: None) if as_json else print
+    count = processes or runtime.available_threads()
+    found, folder = fits.fit(config, data, free, law or (), sigma, question, overrides or (), out, count, say)
+    if as_json:
+        print((folder / fits.NUMBERS).read_text(encoding="utf-8"), end="")
+    for name in (fits.NUMBERS, fits.TABLE, fits.PICTURE, fits.FITTED):
+        say(folder / name)
+    if complaints := found[0].complaints:
+        raise DoubtfulError(DOUBTFUL + "; ".join(complaints))
 
 
 BENCH_FOLDER = Path("runs/bench")

@@ -36,7 +36,7 @@ class Spectrum:
         """The longest relaxation time, 0 without modes."""
         return max((time for _, time in self.modes), default=0.0)
 
-    def complex_viscosity(self, s: complex) -> Any:
+    def complex_viscosity(self, s: Any) -> Any:
         """Return eta* at s = i w, or the Laplace transform of the relaxation modulus at ``s``."""
         return self.solvent + sum(viscosity / (1.0 + s * time) for viscosity, time in self.modes)
 

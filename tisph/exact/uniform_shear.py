@@ -111,6 +111,10 @@ class UniformShear:
             found.append(np.transpose(states[1:]))
         return np.concatenate(found)
 
+    def steady_stresses(self, rates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return shear stress (n,) and N1 (n,) in steady shear of ``rates`` (n,) that ascend from about 0."""
+        return self._stresses(self.steady_states(rates), rates)
+
     def _parts(self, state: np.ndarray) -> list[np.ndarray]:
         ends = np.cumsum([0, *(law.components for law in self.laws)])
         return [state[a:b] for a, b in pairwise(ends.tolist())]

@@ -166,10 +166,7 @@ class EverySteps:
 
 
 def every(*, time: float | None = None, steps: int | None = None) -> Schedule:
-    """Return a schedule with something due every ``time`` of the run's clock, or every ``steps`` steps.
-
-    ``time`` is in the unit of the config, from the start of the run. ConfigError unless one is given, and positive.
-    """
+    """Return a schedule, due every ``time`` > 0 of the run from its start, or every ``steps`` > 0 steps: give one."""
     given = [each for each in (time, steps) if each is not None]
     if len(given) != 1 or not 0 < given[0] < math.inf or (steps is not None and steps != int(steps)):
         raise ConfigError("every: give one of time=SECONDS and steps=NUMBER, positive, the steps as a whole number")

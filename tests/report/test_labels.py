@@ -117,7 +117,7 @@ def test_gravity_points_down_and_a_lid_along():
     layout = arrange(disc, 1280, 640)
     frame = np.full((640, 1280, 3), 255, dtype=np.uint8)
     label = DriveLabel(disc, layout)
-    label.paint(frame)
+    label.paint(frame, 0.0)
     arrow = frame[label.box.slices][:, -layout.pixels(34) :, 0]
     ink = (arrow < 90).sum(axis=1)
     rows = np.flatnonzero(ink)

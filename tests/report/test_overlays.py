@@ -225,12 +225,17 @@ def test_lines_between_cylinders_are_circles_and_none_is_within_a_body(annulus):
 
 def test_fluid_at_rest_and_a_run_gone_wrong_have_no_lines():
     channel = make_channel()
-    plain, *drawn = (Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines", "vectors"))
+    drawn = [Drawn(channel, make_video(overlay=each), "", END) for each in ("none", "streamlines", "vectors")]
     snapshot = make_snapshot(channel, 5.0)
-    before = plain.render(snapshot).copy()
-    assert not any(np.array_equal(each.render(snapshot), before) for each in drawn)
+
+    def boxes():
+        return [each.render(snapshot)[each.layout.box.slices].copy() for each in drawn]
+
+    plain, *others = boxes()
+    assert not any(np.array_equal(each, plain) for each in others)
     snapshot.u[3] = np.nan
-    assert all(np.array_equal(each.render(snapshot), plain.render(snapshot)) for each in drawn)
+    plain, *others = boxes()
+    assert all(np.array_equal(each, plain) for each in others)
     assert lines_of(lambda x, y: 1e-6 * np.sin(9 * x), lambda x, y: 0.0) == []
 
 

@@ -139,7 +139,10 @@ def test_a_movie_shows_the_distance_of_two_free_bodies(load_flow):
     scene = scenes.of(load_flow(CHANNEL, f"bodies=[{', '.join(free)}]"))
     series = scene.movie_series()
     assert series.measure(SimpleNamespace(bodies=Bodies.at(0.0, scene.bodies))) == pytest.approx([0.4])
-    assert (series.levels, series.level_name) == ([0.25], "in contact")
+    assert (series.levels, series.level_name) == ([0.25 + scene.contact_distance], "contact")
+    name, happens = series.event
+    near = [happens(np.array([0.25 + share * scene.contact_distance])) for share in (0.99, 1.01)]
+    assert (name, near) == ("contact", [True, False])
 
 
 def test_mean_stresses_have_stresslets_and_loads_by_where_they_act(load_flow):

@@ -397,8 +397,8 @@ def _video(config: Config) -> Iterator[Problem]:
     if video.color_by not in names:
         *others, last = map(repr, names)
         yield "output.video.color_by", f"must be {', '.join(others)} or {last}{nearest(video.color_by, names)}"
-    if video.limits != "auto" and not video.limits[0] < video.limits[1]:
-        yield "output.video.limits", "must be auto, or the lower limit and then the higher one"
+    if not isinstance(video.limits, str) and not video.limits[0] < video.limits[1]:
+        yield "output.video.limits", "must be auto or frame, or the lower limit and then the higher one"
 
 
 def colours(config: Config) -> list[str]:

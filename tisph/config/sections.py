@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from tisph.config.base import LARGEST, SMALLEST, Model, NonNegative, Positive, Signed, Whole, refusal
-from tisph.config.fields import Member, member_name, number_or
+from tisph.config.fields import Member, either, member_name, number_or
 
 LEAST_PARTICLES_ACROSS = 6
 
@@ -19,13 +19,16 @@ FrameWidth = Annotated[Whole, Field(ge=640, le=4096, multiple_of=2)]
 FrameHeight = Annotated[Whole, Field(ge=320, le=4096, multiple_of=2)]
 
 
+Limits = Annotated[tuple[float, float], Field(strict=False)]
+
+
 class Video(Model):
     """Movie: frames per second, number of frames, size in pixels (even, for H.264), and contents.
 
-    ``color_by``: quantity that the colours show, between the ``limits`` [a, b], or the least and largest value of the
-    run. Coloured by dye, the fluid keeps the colour of the pattern ``dye`` in the first frame. ``style`` auto: a
-    continuous field in two-dimensional flow, else particles. ``overlay``: velocities as arrows, streamlines, or the
-    paths of some particles.
+    ``color_by``: quantity that the colours show, between the ``limits`` [a, b], or those of the values of the run, or
+    of each frame: then the numbers at the colour bar change. Coloured by dye, the fluid keeps the colour of the pattern
+    ``dye`` in the first frame. ``style`` auto: a continuous field in two-dimensional flow, else particles. ``overlay``:
+    velocities as arrows, streamlines, or the paths of some particles.
     """
 
     fps: Annotated[Whole, Field(ge=1, le=120)] = 30
@@ -34,7 +37,7 @@ class Video(Model):
     height: FrameHeight = 640
     renderer: Literal["raster"] = "raster"
     color_by: str = "speed"
-    limits: number_or(Annotated[tuple[float, float], Field(strict=False)], "auto") = "auto"
+    limits: either(Limits, Literal["auto", "frame"], lambda value: value in ("auto", "frame"), "auto or frame") = "auto"
     style: Literal["auto", "field", "particles", "both"] = "auto"
     dye: Literal["stripes", "checkerboard", "blob"] = "stripes"
     overlay: Literal["none", "vectors", "streamlines", "tracks"] = "none"

@@ -23,7 +23,7 @@ import numpy as np
 
 from tisph.report import style
 from tisph.report.layout import Layout, open_ends
-from tisph.report.quantities import Quantity
+from tisph.report.quantities import Ends, Quantity
 from tisph.report.raster import Discs, Shades, blend
 from tisph.scenes._scene import Scene
 from tisph.snapshot import Snapshot
@@ -277,7 +277,7 @@ class FluidPainter:
     def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, video: Any):
         few = scene.extent[1] / scene.spacing <= _MOST_ROWS
         self.style = ("particles" if scene.parallel and few else "field") if video.style == "auto" else video.style
-        self._layout, self._range, shape = layout, quantity.colour_range, layout.box.shape
+        self._layout, shape = layout, layout.box.shape
         whole = layout.shown_length == scene.extent[0] and scene.periodic[0]
         self._periodic = whole, scene.periodic[1]
         colours = style.colours(_SHADES, colour_map=quantity.colour_map)
@@ -286,11 +286,10 @@ class FluidPainter:
         ratio = self.disc_radius / self._radius(scene.wanted_spacing.smallest)
         steps = math.ceil(math.log(ratio) / math.log(_SIZE_STEP))
         self._spacing, self._radii = scene.spacing, self.disc_radius * _SIZE_STEP ** -np.arange(steps + 1.0)
-        self.grid: Any = None
+        self.grid = GradedGrid(scene, layout, self._periodic)
         if self.style == "particles":
             self._discs, self._shades = Discs(self._radii, shape), Shades(colours, ground)
             return
-        self.grid = GradedGrid(scene, layout, self._periodic)
         palette = np.full((_SHADES + 1, 4), 255, dtype=np.uint8)
         palette[:, :3] = np.rint(255.0 * np.vstack([colours, ground]))
         self._palette = palette.view(np.uint32).ravel()
@@ -298,20 +297,23 @@ class FluidPainter:
         (first, last), column = layout.pixel_positions(open_ends(scene), 0.0)[0], np.arange(shape[1]) + 0.5
         self._beyond = (column < first) | (column > last)
 
-    def paint(self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray) -> None:
+    def paint(
+        self, panel: np.ndarray, snapshot: Snapshot, values: np.ndarray, profile: np.ndarray, limits: Ends
+    ) -> None:
         """Fill the ``panel`` of the box, RGB and an idle byte (rows, columns, 4), with ``values`` (particles,).
 
-        The last fit of the grid is ``profile``, the values of the profile panel.
+        The colours end at ``limits``. The last fit of the grid is ``profile``, the values of the profile panel.
         """
         if self.style == "particles":
-            share = np.clip(np.nan_to_num(self._share(values), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
+            self.grid.fit(snapshot, profile)
+            share = np.clip(np.nan_to_num(_share(values, limits), nan=1.0), 0.0, 1.0)  # a run that went wrong, too
             points = self._layout.pixel_positions(snapshot.x, snapshot.y)
             off = np.log(self._radius(snapshot.widths(self._spacing))[:, None] / self._radii)
             size = np.abs(off).argmin(axis=1)
             self._shades.fill(panel, *self._discs.sums(points, share, size, periodic=self._periodic))
             return
         self.grid.fit(snapshot, values, *([] if profile is values else [profile]))
-        shade = self._share(self.grid.image()) * np.float32(_SHADES - 1) + np.float32(0.5)
+        shade = _share(self.grid.image(), limits) * np.float32(_SHADES - 1) + np.float32(0.5)
         shade = np.clip(shade, 0.0, _SHADES - 1)
         shade[np.isnan(shade) | self._beyond] = _SHADES  # no particles, or beyond an open end: the ground
         panel.view(np.uint32)[:, :, 0] = self._palette[shade.astype(np.uint16)]
@@ -323,6 +325,7 @@ class FluidPainter:
         """Return the radius of discs of particles of this ``width``, in pixels."""
         return np.maximum(_SMALLEST_DIAMETER, width * self._layout.pixels_per_length) / 2.0
 
-    def _share(self, values: np.ndarray) -> np.ndarray:
-        lowest, highest = self._range
-        return (values - np.float32(lowest)) * np.float32(1.0 / (highest - lowest))
+
+def _share(values: np.ndarray, limits: Ends) -> np.ndarray:
+    lowest, highest = limits
+    return (values - np.float32(lowest)) * np.float32(1.0 / (highest - lowest))

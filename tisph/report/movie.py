@@ -28,7 +28,6 @@ from tisph.geometry.body import Body
 from tisph.geometry.line import Line
 from tisph.geometry.outline import SmoothOutline
 from tisph.geometry.polygon import Polygon
-from tisph.measures.steadiness import Followed, steadiness
 from tisph.report import style
 from tisph.report.encoder import Encoder
 from tisph.report.field import Dye, FluidPainter
@@ -44,21 +43,35 @@ from tisph.report.labels import (
     unit_label,
 )
 from tisph.report.layout import Layout, Rect, arrange
-from tisph.report.overlays import BodyTracks, Solids, StreamFunction, Streamlines, Tracks, Vectors
+from tisph.report.overlays import (
+    INK,
+    LIGHT,
+    BodyTracks,
+    Solids,
+    StreamFunction,
+    Streamlines,
+    Tracks,
+    Turning,
+    Vectors,
+    paint_marks,
+)
 from tisph.report.panels import NUMBERS, ProfilePanel, TimePanel, exact_values, measured
-from tisph.report.quantities import Extremes, Quantity, Spread, quantity
-from tisph.report.text import DriveLabel, paint_text, wall_labels
+from tisph.report.quantities import Ends, Extremes, Quantity, Spread, quantity
+from tisph.report.text import SCALE_ROOM, SCALE_TICKS, DriveLabel, ScaleLabel, paint_text, wall_labels
 from tisph.scenes._scene import Scene
-from tisph.scenes._views import MovieView
+from tisph.scenes._views import SHOWN, MovieView
 from tisph.snapshot import Snapshot
 
+_SMALLEST_TITLE = 15  # pixels in a frame of 1280 x 640
 _PIXELS_PER_INCH = 72  # then matplotlib's points are pixels, and every size below is in pixels
 
 
-def build_figure(scene: Scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel) -> Figure:
+def build_figure(
+    scene: Scene, layout: Layout, title: str, quantity: Quantity, time_panel: TimePanel, lines: str = ""
+) -> Figure:
     """Return the background as a matplotlib figure, not drawn yet.
 
-    ``quantity`` is the quantity of the colours and of the profile panel.
+    ``quantity`` is the quantity of the colours and of the profile panel, ``lines`` the name of the lines in the fluid.
     """
     figure = Figure((layout.width / _PIXELS_PER_INCH, layout.height / _PIXELS_PER_INCH), dpi=_PIXELS_PER_INCH)
     FigureCanvasAgg(figure)
@@ -71,6 +84,7 @@ def build_figure(scene: Scene, layout: Layout, title: str, quantity: Quantity, t
     stage.series_axes(time_panel)
     stage.legend(quantity)
     stage.series_legend(time_panel)
+    stage.lines_legend(lines)
     stage.titles(title)
     return figure
 
@@ -122,8 +136,16 @@ class _Stage:
         axes.imshow(colours, extent=(0.0, 1.0, low, high), aspect="auto", interpolation="nearest")
         axes.yaxis.tick_right()
         axes.yaxis.set_label_position("right")
-        self._ticks(axes, self.layout.colour_bar, None, exponent)
-        self._label(axes, None, axis_label(quantity.colour_name, quantity.unit, exponent))
+        dyed = quantity.colour_map is style.DYE_MAP
+        name = axis_label(quantity.colour_name, "" if dyed else quantity.unit, 0 if quantity.of_frame else exponent)
+        if quantity.of_frame:  # the numbers are those of each frame
+            axes.set_xticks([])
+            axes.set_yticks(low + (high - low) * SCALE_TICKS, [SCALE_ROOM] * len(SCALE_TICKS))
+            axes.tick_params(labelsize=self.layout.pixels(13), length=self.layout.pixels(4), labelcolor="none")
+            name = f"{name}, scale of this moment"
+        else:
+            self._ticks(axes, self.layout.colour_bar, None, None if dyed else exponent)
+        self._label(axes, None, name)
 
     def profile_axes(self, quantity: Quantity) -> None:
         """Axes of the live profile: the quantity along, the coordinate of its line upwards."""
@@ -149,6 +171,8 @@ class _Stage:
             axes.plot(panel.exact_times, panel.exact, "-", color=self.theme.exact, linewidth=self.layout.pixels(1))
         for level in panel.levels:
             axes.axhline(level, color=self.theme.exact, linewidth=self.layout.pixels(1))
+        for level in panel.settled:
+            axes.axhline(level, color=self.theme.muted, linewidth=self.layout.pixels(1), linestyle=(0, (5, 3)))
         self._ticks(axes, rect, *exponents)
         units = self.scene.units.time, unit_label(series.unit, self.scene.units)
         self._label(axes, axis_label("t", units[0], exponents[0]), axis_label(series.name, units[1], exponents[1]))
@@ -157,26 +181,45 @@ class _Stage:
         """Names of the numbers in their colours, above their panel."""
         px, rect = self.layout.pixels, self.layout.series
         left, row = float(rect.left), rect.top - px(14)
-        for name, colour in zip(panel.labels, panel.colours, strict=True):
+        for name, colour, known in zip(panel.labels, panel.colours, panel.known, strict=True):
+            if not known:
+                continue
             left = px(16) + self._right_end(self._text(left, row, name, size=14, va="center", color=colour))
         name = panel.series.level_name if np.isfinite(panel.levels).any() else panel.series.reference
         if name:
             self._key_line(left, row, name)
+        if len(panel.settled):
+            self._key_line(left, row, "steady value", color=self.theme.muted, linestyle=(0, (2.5, 1.5)))
+
+    def lines_legend(self, name: str) -> None:
+        """Key to the lines over the fluid, above the right end of the box."""
+        px, box = self.layout.pixels, self.layout.box
+        if name:
+            row, right = self.layout.wall("top").top - px(10), min(box.right, self.layout.width - px(180))
+            text = self._text(right, row, name, size=13, va="center", ha="right", color=self.theme.muted)
+            start = text.get_window_extent().x0 - px(26)
+            for width, ink in ((px(4), LIGHT), (px(2), INK)):
+                self.overlay.plot([start, start + px(20)], [row, row], "-", color=ink, linewidth=width)
 
     def legend(self, quantity: Quantity) -> None:
         """Key to the profile, above it: data can be anywhere inside."""
         px, left, row = self.layout.pixels, self.layout.profile.left, self.layout.profile.top - self.layout.pixels(14)
-        self.overlay.plot([left + px(6)], [row], "o", color=self.theme.particles, markersize=px(6))
-        particles = self._text(left + px(15), row, "tisph", size=14, va="center")
+        self.overlay.plot([left, left + px(20)], [row, row], "-", color=self.theme.particles, linewidth=px(4))
+        particles = self._text(left + px(26), row, "tisph", size=14, va="center")
+        end = self._right_end(particles) + px(16)
+        if len(quantity.profile.of_slip_walls(self.scene, self.scene.start_time)[0]):
+            self.overlay.plot([end + px(6)], [row], "o", color=self.theme.wall_moving, markersize=px(9))
+            end = px(16) + self._right_end(self._text(end + px(15), row, "wall", size=14, va="center"))
         if quantity.profile.exact is None:
             return
         steady = ", drawn when the flow is" if quantity.profile.steady else ""
-        self._key_line(self._right_end(particles) + px(16), row, quantity.profile.reference + steady)
+        self._key_line(end, row, quantity.profile.reference + steady)
 
-    def _key_line(self, start: float, row: float, name: str) -> None:
+    def _key_line(self, start: float, row: float, name: str, **look: Any) -> None:
         """Draw the key to the thin line of exact or steady values, from ``start`` on."""
         px = self.layout.pixels
-        self.overlay.plot([start, start + px(20)], [row, row], "-", color=self.theme.exact, linewidth=px(2))
+        look = {"color": self.theme.exact, "linestyle": "-", "linewidth": px(2), **look}
+        self.overlay.plot([start, start + px(20)], [row, row], **look)
         self._text(start + px(26), row, name, size=14, va="center")
 
     def titles(self, title: str) -> None:
@@ -184,15 +227,19 @@ class _Stage:
         px, layout = self.layout.pixels, self.layout
         facts = "     ".join(self._facts())
         right = self._text(layout.width - px(26), px(36), facts, size=14, ha="right", color=self.theme.muted)
-        name = self._text(px(24), px(36), title, size=20, weight="bold")
+        size, name = px(20), self._text(px(24), px(36), title, size=20, weight="bold")
         limit = right.get_window_extent().x0 - px(30)
+        while self._right_end(name) > limit and size > px(_SMALLEST_TITLE):
+            size -= 1
+            name.set_fontsize(size)
         while self._right_end(name) > limit and len(title) > 1:
             title = title[:-1]
             name.set_text(title + "…")
 
     def _facts(self) -> list[str]:
         scene = self.scene
-        facts = [f"Re = {number(scene.reynolds)}", *([] if scene.wanted_spacing.varies else [_count(scene)])]
+        strength = f"Re = {number(scene.reynolds)}" if scene.inertia else "no inertia"
+        facts = [strength, *([] if scene.wanted_spacing.varies else [_count(scene)])]
         if scene.polymer:
             facts.insert(1, f"Wi = {number(scene.weissenberg)}")
         if scene.vanishing_scale:  # then errors are given as multiples of it
@@ -254,6 +301,7 @@ def _count(scene: Scene) -> str:
 
 
 _OVERLAYS = {"vectors": Vectors, "tracks": Tracks}
+_LINES = {"streamlines": "streamlines", "tracks": "paths of particles", "vectors": "velocity"}
 
 
 @dataclass(frozen=True)
@@ -261,13 +309,14 @@ class Measured:
     """A snapshot, and the quantities that a frame shows.
 
     ``colours`` and ``profile`` (particles,) are the quantities of the field and of the profile panel, ``series`` the
-    numbers over time, ``stream`` the stream function where streamlines are drawn.
+    numbers over time, ``ends`` the limits of the colours, ``stream`` the stream function where streamlines are drawn.
     """
 
     snapshot: Snapshot
     colours: np.ndarray
     profile: np.ndarray
     series: np.ndarray
+    ends: Ends
     stream: StreamFunction | None = None
 
 
@@ -292,24 +341,25 @@ class FrameRenderer:
     ):
         self.scene, self.layout, self.quantity, self._time_panel = scene, layout, quantity, time_panel
         self._streams = streams
-        labels = wall_labels(scene, layout)
+        labels: list[Any] = [DriveLabel(scene, layout), *wall_labels(scene, layout)]
         with style.plot_style(layout.theme):
-            figure: Any = build_figure(scene, layout, title, quantity, time_panel)
+            figure: Any = build_figure(scene, layout, title, quantity, time_panel, _LINES.get(video.overlay, ""))
             figure.canvas.draw()
             self._background = np.asarray(figure.canvas.buffer_rgba()).copy()
         picture = self._background[:, :, :3]
-        DriveLabel(scene, layout).paint(picture)
         for label in labels:
             if not label.animated:
                 label.paint(picture, scene.start_time)
         self._changing_labels = [label for label in labels if label.animated]
         self._changing_boxes = [layout.profile, layout.series, layout.time_label, layout.error_label]
         self._changing_boxes += [box for label in self._changing_labels for box in label.boxes]
+        self._scale = ScaleLabel(layout) if quantity.of_frame else None
+        self._changing_boxes += self._scale.boxes if self._scale else []
         self.frame = self._background.copy()
         self._time_label = time_label(scene.time_scale, scene.units.time, scene.time_formula)
         self._error_label = error_label(scene, quantity.error)
         self._fluid = FluidPainter(scene, layout, quantity, video)
-        self._profile_panel = ProfilePanel(scene, layout, quantity, self._fluid.grid)
+        self._profile_panel = ProfilePanel(scene, layout, quantity, self._fluid.grid, self._fluid.style != "particles")
         self._overlays = [overlay(scene, layout) for overlay in _overlays(scene, video.overlay)]
 
     def render(self, measured: Measured) -> np.ndarray:
@@ -318,14 +368,19 @@ class FrameRenderer:
         for box in self._changing_boxes:
             frame[box.slices] = self._background[box.slices]
         box, shown = self.layout.box, _whole(self.scene, snapshot)
-        values = [measured.colours, measured.profile]
+        colours, profile = measured.colours, measured.profile
         if shown is not snapshot:
-            values = [np.concatenate([each, each]) for each in values]
-        self._fluid.paint(frame[box.slices], shown, *values)
+            colours, profile = (np.concatenate([each, each]) for each in (colours, profile))
+        limits = self.quantity.colour_range
+        if self._scale and self.quantity.of_frame:
+            limits = self.quantity.of_frame(measured.ends)
+            self._scale.paint(picture, limits)
+        self._fluid.paint(frame[box.slices], shown, colours, profile, limits)
         if self._streams and measured.stream:
             self._streams.paint(picture[box.slices], measured.stream)
         for overlay in self._overlays:
             overlay.paint(picture[box.slices], shown)
+        paint_marks(picture[box.slices], self.layout, self.scene.movie_marks(snapshot))
         self._time_panel.paint(picture, snapshot.t, measured.series)
         self._profile_panel.paint(picture, snapshot, measured.profile, self._has_reference(snapshot.t))
         for label in self._changing_labels:
@@ -341,18 +396,19 @@ class FrameRenderer:
         """Return whether the reference of the profile is one of time ``t``: a steady one is not before the flow is."""
         if not self.quantity.profile.steady:
             return True
-        sizes = self.scene.time_series().judged_sizes
-        record = Followed(
-            *self._time_panel.history(t), {name: sizes[name] for name in self._time_panel.series.columns[:NUMBERS]}
-        )
-        return steadiness(self.scene, t, record).steady
+        return self._time_panel.steady(*self._time_panel.history(t))
 
 
 def _overlays(scene: Scene, name: str) -> list:
-    """Return the classes of the overlays, in the order of painting: overlay ``name``, if any, then bodies."""
+    """Return the classes of the overlays, in the order of painting: overlay ``name``, if any, then bodies.
+
+    Paths of few free bodies are always drawn.
+    """
     overlays = [_OVERLAYS[name]] if name in _OVERLAYS else []
     overlays += [Solids] if scene.bodies else []
-    return [*overlays, BodyTracks] if name == "tracks" and scene.has_free_bodies else overlays
+    overlays += [Turning] if scene.axisymmetric and any(body.spin.largest_speed for body in scene.bodies) else []
+    shown = scene.has_free_bodies and (name == "tracks" or len(BodyTracks.free(scene)) <= SHOWN)
+    return [*overlays, BodyTracks] if shown else overlays
 
 
 _BEYOND = 10.0  # lengths of the box that an inner cylinder is drawn beyond it
@@ -427,6 +483,9 @@ def _mirrored(body: Body) -> Body:
     return replace(body, shape=image, centre=(across * body.centre).tolist(), angle=-body.angle)
 
 
+_PATTERNS = {"stripes": "stripes", "checkerboard": "squares", "blob": "a blob"}
+
+
 class Movie:
     """A movie of ``scene`` at ``path``, drawn and encoded a frame at a time.
 
@@ -448,7 +507,9 @@ class Movie:
         self._series = scene.movie_series()
         self._view = scene.movie_view("speed" if self._dyed else video.color_by, end)
         if self._dyed:
-            self._view = replace(self._view, name="", of=Dye(scene, video.dye).of)
+            self._view = replace(
+                self._view, name=f"dye, at first in {_PATTERNS[video.dye]}", of=Dye(scene, video.dye).of
+            )
         self._waiting: Any = None
         self._ranges: _Ranges | None = None
         self._renderer: FrameRenderer | None = None
@@ -504,14 +565,18 @@ class Movie:
         colours = view.of(snapshot)
         profile = colours if view.profile.of is view.of else view.profile.of(snapshot)
         stream = self._streams.measured(_whole(self._shown, snapshot)) if self._streams else None
-        return Measured(snapshot, colours, profile, measured(self._series, snapshot), stream)
+        spread = _spread(view)
+        spread.add(colours - view.base, snapshot.weight)
+        return Measured(snapshot, colours, profile, measured(self._series, snapshot), spread.ends, stream)
 
     def _new_renderer(self, ranges: "_Ranges | None") -> FrameRenderer:
         ranges = None if self._known else ranges
-        ends = (ranges.colours.ends, ranges.profile.ends) if ranges else None
-        shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, ends)
+        found = (ranges.colours.ends, ranges.profile.ends) if ranges else None
+        shown = quantity(self._view, self._scene, (0.0, 1.0) if self._dyed else self._video.limits, found)
         shown = replace(shown, colour_map=style.DYE_MAP) if self._dyed else shown
         panel = TimePanel(self._shown, self._layout, self._series, self._end, ranges.series.ends if ranges else None)
+        if ranges:
+            panel.know(*ranges.record)
         return FrameRenderer(self._shown, self._layout, self._video, self._title, shown, panel, self._streams)
 
     def _draw(self, renderer: FrameRenderer, measured: Measured) -> None:
@@ -538,13 +603,26 @@ class _Ranges:
     """
 
     def __init__(self, view: MovieView):
-        self.colours, self.series = Spread() if view.from_zero else Extremes(), Extremes()
+        self.colours, self.series = _spread(view), Extremes()
         self.profile = Extremes() if view.profile.unit == "velocity" else Spread()
-        self._line, self.count = view.profile.line, 0
+        self._line, self._base, self.count = view.profile.line, view.base, 0
+        self._record: list[tuple[float, np.ndarray]] = []
 
     def add(self, measured: Measured) -> None:
         """Take a frame."""
         self.count += 1
-        self.colours.add(measured.colours, measured.snapshot.weight)
-        self.profile.add(measured.profile[self._line.near(measured.snapshot)])
+        self.colours.add(measured.colours - self._base, measured.snapshot.weight)
+        self.profile.add(measured.profile[self._line.near(measured.snapshot)] - self._base)
         self.series.add(measured.series[:NUMBERS])
+        self._record.append((measured.snapshot.t, measured.series[:NUMBERS]))
+
+    @property
+    def record(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times (n,) and numbers of the series (n, numbers) of the frames."""
+        times, values = zip(*self._record, strict=True)
+        return np.array(times), np.array(values)
+
+
+def _spread(view: MovieView) -> Spread | Extremes:
+    """Return the collector of the values of the colours of a ``view``."""
+    return Spread() if view.from_zero else Extremes()

@@ -7,8 +7,9 @@ around the fluid that moves has short marks that move with it: a closed curve on
 Streamlines are lines of equal stream function psi, u = dpsi/dy and v = -dpsi/dx: between any two next to each other as
 much fluid flows. psi solves psi[b] - psi[a] = flow rate between a and b over all pairs of neighbouring nodes of a grid,
 in the least-squares sense. Grid and sums end at the sides of the box and within bodies, where no flow is known:
-so psi may grow from one side of a periodic box to the other, as it does where fluid flows through it. In axisymmetric
-flow psi is Stokes' stream function, r u = dpsi/dr and r v = -dpsi/dx.
+so psi may grow from one side of a periodic box to the other, as it does where fluid flows through it. Along walls at
+rest psi is constant: the equations say so, too, and weigh more than errors of the flow elsewhere, or a slow eddy in a
+corner would be lost in them. In axisymmetric flow psi is Stokes' stream function, r u = dpsi/dr and r v = -dpsi/dx.
 
 Paths show where some particles, and bodies that the flow carries, were in the frames before. Arrows show velocities on
 an even grid. Lines are dark with a light rim, which is seen on any colour.
@@ -25,9 +26,12 @@ from tisph.geometry.body import Body, Placement
 from tisph.geometry.line import Line
 from tisph.measures.fits import periodic_tree, with_walls
 from tisph.report import style
-from tisph.report.layout import RIM, Layout, open_ends
+from tisph.report.labels import number
+from tisph.report.layout import RIM, Layout, Rect, open_ends
 from tisph.report.raster import LEVELS, Discs, Points, blend, dense_lines, filled
-from tisph.scenes._scene import Scene
+from tisph.report.text import paint_text, text_width
+from tisph.scenes._scene import Scene, largest_speed
+from tisph.scenes._views import SHOWN
 from tisph.snapshot import Bodies, Snapshot
 
 INK, LIGHT = style.TEXT, "#ffffff"
@@ -214,6 +218,7 @@ class Tracks:
     """Paints the paths of evenly chosen particles over the last frames; a path ends at a periodic side or an outlet."""
 
     width = 1.0  # of lines and dots
+    frames = _FRAMES
 
     def __init__(self, scene: Scene, layout: Layout):
         self._scene, self._layout = scene, layout
@@ -225,7 +230,7 @@ class Tracks:
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the paths up to ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
         self._seen[snapshot.t] = self._places(snapshot)
-        times = sorted(time for time in self._seen if time <= snapshot.t)[-_FRAMES:]
+        times = sorted(time for time in self._seen if time <= snapshot.t)[-self.frames :]
         paths = np.array([self._seen[time] for time in times])
         pieces = [piece for path in paths.transpose(1, 0, 2) for piece in self._pieces(path) if len(piece) > 1]
         self._strokes.paint(panel, dense_lines(self._layout.pixel_positions(*piece.T[:2]) for piece in pieces))
@@ -249,13 +254,19 @@ class Tracks:
 
 
 class BodyTracks(Tracks):
-    """Paints the paths of the centres of all bodies that the flow carries, likewise."""
+    """Paints the paths of the centres of all bodies that the flow carries: of few bodies since the start."""
 
     width = _BODIES
 
     def __init__(self, scene: Scene, layout: Layout):
         super().__init__(scene, layout)
-        self._free = [index for index, body in enumerate(scene.bodies) if body.free]
+        self._free = self.free(scene)
+        self.frames = 0 if len(self._free) <= SHOWN else _FRAMES
+
+    @staticmethod
+    def free(scene: Scene) -> list[int]:
+        """Return the indices of the bodies that the flow carries."""
+        return [index for index, body in enumerate(scene.bodies) if body.free]
 
     def _places(self, snapshot: Snapshot) -> np.ndarray:
         """Return where their centres are in the box, and that none leaves through an outlet, (n, 3)."""
@@ -263,6 +274,71 @@ class BodyTracks(Tracks):
         centre, low = bodies.centre[self._free], np.array(self._scene.origin)
         inside = np.where(self._scene.periodic, low + (centre - low) % self._scene.extent, centre)
         return np.pad(inside, ((0, 0), (0, 1)))
+
+
+class Turning:
+    """Writes beside each wall or body that turns around the axis how fast, after ⊙ if its upper
+    side comes towards the viewer, or after ⊗ if it goes away.
+    """
+
+    def __init__(self, scene: Scene, layout: Layout):
+        self._scene, self._layout, self._unit = scene, layout, f"rad/{scene.units.time}"
+        self._walls = [(body, self._place(body)) for body in scene.bodies if body.spin.largest_speed]
+
+    def _place(self, body: Body) -> tuple[float, float]:
+        """Return the column and row in the panel of the middle of the words: within the solid."""
+        shape: Any = body.shape
+        if shape.area:
+            return self._layout.pixel_positions(*body.centre)
+        points = body.boundary_points(shape.length / 8).point
+        middle, normal = points[len(points) // 2], body.boundary_points(shape.length / 8).normal[len(points) // 2]
+        beyond = 0.5 * RIM * max(self._scene.extent)
+        return self._layout.pixel_positions(*(middle - beyond * normal))
+
+    def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
+        """Lay the words of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
+        for (body, (column, row)), side in zip(self._walls, self._sides, strict=True):
+            speed, size = side * float(body.spin.velocity(snapshot.t)), self._layout.pixels(15)
+            words = f"{_TOWARDS if speed > 0.0 else _AWAY} {number(abs(speed), 3)} {self._unit}" if speed else ""
+            paint_note(panel, column, row, words, size, self._layout.theme.text)
+
+    @property
+    def _sides(self) -> list[float]:
+        sides = getattr(self._scene, "sides", [1.0] * len(self._scene.bodies))
+        return [side or 1.0 for side, body in zip(sides, self._scene.bodies, strict=True) if body.spin.largest_speed]
+
+
+_TOWARDS, _AWAY = "⊙", "⊗"
+SEPARATION = "separation"
+_MARK = 4.5  # pixels in a frame of 1280 x 640: radius of the dot of a mark
+
+
+def paint_marks(panel: np.ndarray, layout: Layout, marks: list[tuple[str, float, float]]) -> None:
+    """Lay dots and names over the ``panel`` of the box, at the places x and y of each of ``marks``.
+
+    The name of a separation ends at its place, and others begin there: the eddy in between stays free.
+    """
+    if not marks:
+        return
+    columns, rows = layout.pixel_positions(*np.array([place for _, *place in marks]).T)
+    for widen, ink in ((1.5, LIGHT), (0.0, style.EXACT)):
+        blend(panel, Discs((_MARK + widen) * layout.scale, panel.shape[:2]).cover((columns, rows)), style.rgb(ink))
+    for (name, *_), column, row in zip(marks, columns, rows, strict=True):
+        size, way = layout.pixels(14), 1 if name == SEPARATION else -1
+        off = 0.5 * text_width(name, size) + layout.pixels(_MARK)
+        up = layout.pixels(12) * (-1 if row > 0.5 * panel.shape[0] else 1)
+        paint_note(panel, column - way * off, row + up, name, size, LIGHT, INK)
+
+
+def paint_note(
+    panel: np.ndarray, column: float, row: float, words: str, size: int, colour: str, rim: str | None = None
+) -> None:
+    """Write ``words`` around a place in the ``panel`` [pixels], moved so that they are within it."""
+    rows, columns = panel.shape[:2]
+    width, height = min(columns, math.ceil(text_width(words, size)) + 4), min(rows, size + 6)
+    left = int(np.clip(column - 0.5 * width, 0, columns - width))
+    top = int(np.clip(row - 0.5 * height, 0, rows - height))
+    paint_text(panel, Rect(left, top, width, height), words, size, "middle", colour, rim)
 
 
 _PITCH = 40.0  # pixels in a frame of 1280 x 640: distance of arrows
@@ -342,6 +418,10 @@ _FINEST = 0.5  # smallest spacings between nodes: pieces of lines that look smoo
 _MOST = 8000  # nodes: some 50 ms of factorising, once where bodies stand still
 _BEYOND = 1.5  # pitches of the grid: so far lines go on under the picture of a body
 _RESTING = 1e-4  # of reference velocity and shorter side: a range of psi that only errors make
+_ON_WALL = 1e4  # weight of the equations along walls at rest
+_IN_EDDY = 4  # lines in the strongest eddy
+_SHORTEST_LINE = 2.0  # pitches of the grid: shorter ones are errors
+_LEAST_EDDY = 2e-4  # of the range of psi: less beyond the walls may be an error
 
 
 @dataclass(frozen=True)
@@ -349,21 +429,31 @@ class StreamFunction:
     """``psi`` (rows, columns) at the nodes of ``Streamlines``, NaN within bodies; its ``ends`` in the fluid.
 
     psi is 0 on the walls, or half-way between the two walls of which psi differs most; without walls its mean is 0.
+    ``beside`` is psi on the wall where it is largest: fluid flows through between -beside and beside, and turns in
+    eddies beyond.
     """
 
     psi: np.ndarray
     ends: tuple[float, float]
+    beside: float = 0.0
+
+    @property
+    def eddies(self) -> np.ndarray:
+        """How far psi reaches beyond the walls (2,), below and above; 0 without flow between walls."""
+        beyond = np.maximum(0.0, np.array([-self.beside - self.ends[0], self.ends[1] - self.beside]))
+        return beyond if 0.0 < beyond.min() + beyond.max() < self.beside else np.zeros(2)
 
 
 class Streamlines:
     """Paints lines into the box of ``scene``, of even width, with ``step`` of the stream function from line to line.
 
     Lines are at psi = (k + 1/2) ``step`` with whole k, as many above 0 as below it if psi has the same size there. The
-    step is the same in all frames: a flow twice as strong has twice as many lines.
+    step is the same in all frames: a flow twice as strong has twice as many lines. In eddies beside a flow through a
+    channel, which are slower, the step is ``eddy_step``.
     """
 
     def __init__(self, scene: Scene, layout: Layout):
-        self._scene, self._layout, self.step = scene, layout, 0.0
+        self._scene, self._layout, self.step, self.eddy_step = scene, layout, 0.0, 0.0
         self._least_step = _RESTING * scene.reference_velocity * min(scene.extent) / _LINES
         self._strokes = Strokes(layout.scale, layout.box.shape)
         low, high = np.array(layout.low), np.array(layout.high)
@@ -389,12 +479,18 @@ class Streamlines:
             return []
         x, y = self._axes
         contours: Any = contour_generator(x, y, np.ma.masked_invalid(stream.psi), line_type=LineType.Separate)
-        return [line for level in self.levels(stream) for line in contours.lines(level)]
+        found = [line for level in self.levels(stream) for line in contours.lines(level)]
+        return [line for line in found if (np.ptp(line, axis=0) > _SHORTEST_LINE * self._pitch).any()]
 
     def levels(self, stream: StreamFunction) -> np.ndarray:
         """Return the values of psi that have lines, in ascending order."""
         first, last = np.array(stream.ends) / self.step - 0.5
-        return (np.arange(math.ceil(first), math.floor(last) + 1) + 0.5) * self.step
+        levels = (np.arange(math.ceil(first), math.floor(last) + 1) + 0.5) * self.step
+        if self.eddy_step <= _LEAST_EDDY * _LINES / _IN_EDDY * self.step:
+            return levels
+        counts = [int(beyond / self.eddy_step + 0.5) for beyond in stream.eddies]
+        below, above = (stream.beside + (np.arange(count) + 0.5) * self.eddy_step for count in counts)
+        return np.concatenate([-below[::-1], levels[np.abs(levels) < stream.beside], above])
 
     def measured(self, snapshot: Snapshot) -> StreamFunction | None:
         """Return the stream function of a snapshot, None where a run went wrong; widen ``step`` to ten lines in it."""
@@ -402,19 +498,22 @@ class Streamlines:
         if not (np.isfinite(velocity).all() and np.isfinite(places).all()):
             return None
         depth = self._depth(snapshot)
-        self._prepare(depth > -_BEYOND * self._pitch.max())
+        self._prepare(depth > -_BEYOND * self._pitch.max(), snapshot.t)
         flow = np.zeros(self._nodes.shape)
         flow[self._wet] = mean_velocity(self._scene, places, velocity, self._nodes[self._wet])[0]
         if self._scene.axisymmetric:
             flow *= np.abs(self._nodes[:, :, 1:])
         psi = self._stream_function(flow)
-        psi -= self._at_walls(psi, snapshot)
-        within = psi[depth >= 0.0]
+        least, largest = self._at_walls(psi, snapshot)
+        psi -= 0.5 * (least + largest)
+        within, beside = psi[depth >= 0.0], 0.5 * (largest - least)
+        stream = StreamFunction(np.where(self._wet, psi, np.nan), (float(within.min()), float(within.max())), beside)
         self.step = max(self.step, float(np.ptp(within)) / _LINES)
-        return StreamFunction(np.where(self._wet, psi, np.nan), (float(within.min()), float(within.max())))
+        self.eddy_step = max(self.eddy_step, float(stream.eddies.max()) / _IN_EDDY)
+        return stream
 
-    def _at_walls(self, psi: np.ndarray, snapshot: Snapshot) -> float:
-        """Return the mean of the least and the largest ``psi`` of a wall or body; 0 without any."""
+    def _at_walls(self, psi: np.ndarray, snapshot: Snapshot) -> tuple[float, float]:
+        """Return the least and the largest mean ``psi`` of a wall or body; 0 without any."""
         from scipy.ndimage import map_coordinates
 
         found, low, size = [], np.array(self._scene.origin), np.array(self._scene.extent)
@@ -426,7 +525,7 @@ class Streamlines:
             places = places[(np.abs(places - 0.5 * last) < 0.5 * last + 0.5).all(axis=1)]
             if len(places) and body.solid:
                 found.append(map_coordinates(psi, places.T[::-1], order=1, mode="nearest").mean())
-        return 0.5 * (min(found) + max(found)) if found else 0.0
+        return (min(found), max(found)) if found else (0.0, 0.0)
 
     def _depth(self, snapshot: Snapshot) -> np.ndarray:
         """Return how far each node is in the fluid, (rows, columns), below 0 within bodies."""
@@ -436,7 +535,7 @@ class Streamlines:
             depth = np.minimum(depth, np.where(side * self._nodes[:, :, 1] < 0.0, np.inf, distance))
         return depth
 
-    def _prepare(self, wet: np.ndarray) -> None:
+    def _prepare(self, wet: np.ndarray, t: float) -> None:
         """Factorise the sums of squares between the nodes that are ``wet``, unless they are the last ones."""
         from scipy.sparse import coo_matrix, identity
         from scipy.sparse.linalg import splu
@@ -455,8 +554,34 @@ class Streamlines:
         ways = np.concatenate([edge, edge]), np.concatenate([second, first])
         self._difference = coo_matrix((np.concatenate([one, -one]), ways), (len(first), count)).tocsr()
         # a constant of each part of the fluid is free: the little that is added takes the one of mean 0
-        sums = self._difference.T @ self._difference + 1e-9 * identity(count)
+        along = self._along_walls(number, wet, t)
+        sums = self._difference.T @ self._difference + _ON_WALL * along.T @ along + 1e-9 * identity(count)
         self._factors = splu(sums.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+
+    def _along_walls(self, number: np.ndarray, wet: np.ndarray, t: float) -> Any:
+        """Return the matrix (pairs, wet nodes) of the differences of psi between next points of walls at rest."""
+        from scipy.sparse import csr_matrix, vstack
+
+        count = int(wet.sum())
+        parts = [csr_matrix((0, count))]
+        for body in self._scene.bodies:
+            if body.free or not body.solid or largest_speed(body):
+                continue
+            points = body.boundary_points(self._pitch.min(), t).point
+            places = (points - [axis[0] for axis in self._axes]) / self._pitch
+            first = np.clip(np.floor(places).astype(int), 0, np.array(wet.shape[::-1]) - 2)
+            share = places - first
+            inside = ((share > -1e-9) & (share < 1.0 + 1e-9)).all(axis=1)
+            at: Any = 0.0
+            for corner in ((0, 0), (1, 0), (0, 1), (1, 1)):
+                column, row = (first + corner).T
+                inside &= wet[row, column]
+                weight = np.abs(1.0 - np.array(corner) - share).prod(axis=1)
+                index = np.arange(len(points)), np.maximum(number[row, column], 0)
+                at += csr_matrix((weight, index), (len(points), count))
+            known = np.flatnonzero(inside)
+            parts.append(at[known[1:]] - at[np.repeat(known[:1], len(known[1:]))])
+        return vstack(parts)
 
     def _stream_function(self, flow: np.ndarray) -> np.ndarray:
         """Return psi (rows, columns) of velocities (rows, columns, 2), 0 at nodes that are dry."""

@@ -1,16 +1,19 @@
 """Panels of a movie frame: numbers of the run that grow with time, and the live profile with its line in the fluid."""
 
+import math
 from typing import Any
 
 import numpy as np
 
+from tisph.measures.steadiness import Followed, steadiness
 from tisph.report import style
 from tisph.report.field import GradedGrid
 from tisph.report.labels import number
-from tisph.report.layout import Layout
+from tisph.report.layout import Layout, Rect
 from tisph.report.overlays import Strokes
 from tisph.report.quantities import Ends, Extremes, Quantity, with_margin
 from tisph.report.raster import Discs, Points, blend, dense_line, dense_lines
+from tisph.report.text import paint_text, text_width
 from tisph.scenes._scene import Scene
 from tisph.scenes._views import Line, TimeSeries
 from tisph.snapshot import Snapshot
@@ -23,7 +26,9 @@ class TimePanel:
     """The first numbers of ``series`` over a run to time ``end``, as lines that end at the time of each frame.
 
     ``ends`` is their range in the frames, None where the exact values give it. ``levels`` (numbers,): values in the
-    steady state, used where no exact values are known; NaN where unknown.
+    steady state, used where no exact values are known; NaN where unknown. ``settled`` (numbers,): values at the end of
+    a run that is steady then, where no others are known; ``known``: which numbers have values in the run, see ``know``.
+    The first time of the series' ``event`` is marked.
     """
 
     def __init__(self, scene: Scene, layout: Layout, series: TimeSeries, end: float, ends: Ends | None = None):
@@ -34,6 +39,8 @@ class TimePanel:
         self.exact = None if exact is None else exact[:, :NUMBERS]
         levels = np.ravel(series.levels if exact is None else ())[:NUMBERS]
         self.levels = _scaled(series, levels) if len(levels) else levels
+        self.settled, self.known = np.empty(0), np.ones(len(series.columns[:NUMBERS]), dtype=bool)
+        self._scene = scene
         shown = [*(ends or ()), *(() if exact is None and ends else self._exact_ends())]
         within = [*shown, *self.levels[np.isfinite(self.levels)]]
         if series.unit in ("energy", "velocity", "planar_flow_rate"):  # sizes are the content, not changes alone
@@ -46,6 +53,19 @@ class TimePanel:
         self._seen: dict[float, np.ndarray] = {}
         self._pen = Discs(max(0.6, 1.3 * layout.scale), layout.series.inner.shape)
 
+    def know(self, times: np.ndarray, values: np.ndarray) -> None:
+        """Take the numbers (n, numbers) at the ``times`` (n,) of all frames, before the first is painted."""
+        self.known = np.isfinite(values).any(axis=0)
+        if self.exact is None and not np.isfinite(self.levels).any() and self.steady(times, values):
+            self.settled = values[-1]
+
+    def steady(self, times: np.ndarray, values: np.ndarray) -> bool:
+        """Return whether the flow is steady at the last of ``times`` (n,), by numbers (n, numbers) that are judged."""
+        sizes, names = self._scene.time_series().judged_sizes, self.series.columns[:NUMBERS]
+        judged = set(names) <= set(sizes)
+        record = Followed(times, values, {name: sizes[name] for name in names}) if judged else None
+        return steadiness(self._scene, float(times[-1]), record).steady
+
     @property
     def labels(self) -> list[str]:
         """Names of the numbers."""
@@ -57,11 +77,30 @@ class TimePanel:
         self._seen[t] = values[:NUMBERS]
         times, seen = self.history(t)
         panel = picture[self._layout.series.inner.slices]
+        self._mark_event(picture, times, seen)
+        if not np.isfinite(seen).any():
+            paint_text(
+                picture, self._layout.series, "none yet", self._layout.pixels(14), "middle", self._layout.theme.muted
+            )
         for values, colour in zip(seen.T, self.colours, strict=True):
             known = np.isfinite(values)
             if known.any():
                 line = dense_line(self._pixels(times[known], values[known]))
                 blend(panel, self._pen.cover(line), style.rgb(colour))
+
+    def _mark_event(self, picture: np.ndarray, times: np.ndarray, seen: np.ndarray) -> None:
+        """Draw a line and words at the first of ``times`` (n,) whose numbers ``seen`` (n, numbers) show the event."""
+        found = [t for t, values in zip(times, seen, strict=True) if self.series.event and self.series.event[1](values)]
+        if not found or not self.series.event:
+            return
+        rect, px = self._layout.series.inner, self._layout.pixels
+        column = rect.left + int(self._pixels(np.array(found[:1]), np.zeros(1))[0][0])
+        line = picture[rect.top : rect.bottom, column : column + px(1)]
+        line[:] = style.rgb(self._layout.theme.muted)
+        words, left = f"{self.series.event[0]}: t = {number(found[0], 3)} {self._scene.units.time}", column + px(6)
+        width = math.ceil(text_width(words, px(13)))
+        left = left if left + width < rect.right else column - px(6) - width
+        paint_text(picture, Rect(left, rect.top + px(4), width, px(18)), words, px(13), "left", self._layout.theme.text)
 
     def history(self, t: float) -> tuple[np.ndarray, np.ndarray]:
         """Return times (n,) and numbers (n, numbers) of the frames up to time ``t``."""
@@ -98,16 +137,21 @@ def _scaled(series: TimeSeries, values: np.ndarray) -> np.ndarray:
 _CURVE_POINTS = 600  # about two a pixel row at the usual size
 _FIELD_POINTS = 200
 _DASH = 7.0  # pixels in a frame of 1280 x 640, and as long a gap
+_DOTS = 400  # particles drawn: more only hide each other
+_WALL_DOT = 4.5  # pixels in a frame of 1280 x 640: radius of the dot at the velocity of a wall
+_PALE = 0.35  # cover of the particles behind their profile
 
 
 class ProfilePanel:
-    """The profile of ``quantity``: particles as dots or, on the ``grid`` of a field, a line; and the exact curve.
+    """The profile of ``quantity``: a line, the particles as pale dots behind it, and the exact curve.
 
-    The grid is fitted to the values of the profile (``report/field.py``).
+    The ``grid`` is fitted to the values of the profile (``report/field.py``). Walls along which the fluid slips have a
+    dot at their velocity. In the fluid a dashed line is where the profile is taken, if ``marked``.
     """
 
-    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, grid: GradedGrid | None):
+    def __init__(self, scene: Scene, layout: Layout, quantity: Quantity, grid: GradedGrid, marked: bool):
         self._scene, self._layout, self._quantity, self._grid = scene, layout, quantity, grid
+        self._marked, self._wall_dot = marked, Discs(_WALL_DOT * layout.scale, layout.profile.inner.shape)
         line, scale, inside = quantity.profile.line, layout.scale, layout.profile.inner.shape
         self._dots, self._line = Discs(3.0 * scale, inside), Discs(max(0.5, 0.9 * scale), inside)
         self._thick = Discs(max(1.0, 2.2 * scale), inside)
@@ -119,18 +163,28 @@ class ProfilePanel:
         """Draw the profile of ``values`` (particles,), its reference if it has one now and, in the fluid, its place."""
         panel, profile = picture[self._layout.profile.inner.slices], self._quantity.profile
         theme = self._layout.theme
-        if self._grid:
-            line = self._curve(self._grid.at(*self._places), profile.line.coordinates(_FIELD_POINTS), snapshot)
-            blend(panel, self._thick.cover(line), style.rgb(theme.particles))
+        near = np.arange(len(values))[profile.line.near(snapshot)]
+        near = near[style.evenly_chosen(len(near), _DOTS)]
+        dots = self._pixels(values[near], profile.line.of(snapshot)[near])
+        blend(panel, self._dots.cover(dots) * np.float32(_PALE), style.rgb(theme.particles))
+        line = self._curve(self._values(snapshot), profile.line.coordinates(_FIELD_POINTS), snapshot)
+        blend(panel, self._thick.cover(line), style.rgb(theme.particles))
+        if self._marked:
             self._strokes.paint(picture[self._layout.box.slices], self._mark)
-        else:
-            near = profile.line.near(snapshot)
-            dots = self._pixels(values[near], profile.line.of(snapshot)[near])
-            blend(panel, self._dots.cover(dots), style.rgb(theme.particles))
         if profile.exact and has_reference:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
             curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
+        column, row = self._pixels(*profile.of_slip_walls(self._scene, snapshot.t))
+        row = np.clip(row, _WALL_DOT * self._layout.scale, panel.shape[0] - _WALL_DOT * self._layout.scale)
+        blend(panel, self._wall_dot.cover((column, row)), style.rgb(theme.wall_moving))
+
+    def _values(self, snapshot: Snapshot) -> np.ndarray:
+        """Return the quantity (n,) along the line: by the field, or by fits if the line is not in the shown part."""
+        line, low, high = self._quantity.profile.line, self._layout.low[0], self._layout.high[0]
+        if low <= min(line.points(line.ends[0])[0], line.points(line.ends[1])[0]) <= high:
+            return self._grid.at(*self._places)
+        return self._quantity.profile.interpolated(self._scene, snapshot, line.coordinates(_FIELD_POINTS))
 
     def _curve(self, values: np.ndarray, coordinates: np.ndarray, snapshot: Snapshot) -> Points:
         """Return points in the panel close to each other along a curve, which has gaps where bodies are."""

@@ -1,7 +1,7 @@
 """The quantity of the colours and of the profile panel of a movie, with names, units and ranges over the run."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,7 +31,8 @@ class Quantity:
 
     ``colour_name``, empty for a field that needs no colour bar, ``colour_map`` and ``colour_range`` are for the field;
     ``profile`` and ``profile_range`` are for the profile panel. ``error`` names the field whose error is given, in
-    words; None for the velocity.
+    words; None for the velocity. ``of_frame``: function of the limits of the values of one frame that returns its
+    ``colour_range``, where the colours follow the frames; else None.
     """
 
     unit: str
@@ -41,6 +42,7 @@ class Quantity:
     profile: Profile
     profile_range: Ends
     error: tuple[str, str] | None
+    of_frame: Callable[[Ends], Ends] | None = None
 
 
 def quantity(
@@ -49,7 +51,7 @@ def quantity(
     """Return the quantity that ``view`` of ``scene`` shows, in the colour ``limits`` of the config.
 
     ``ends`` are the limits of the colours, and the smallest and largest value of the profile, in the frames, where the
-    view has none.
+    view has none. They are relative to the ``base`` of the view.
     """
     limited = limits_of(np.empty(0) if view.values is None else view.values)
     bounded = view.profile.unit == "velocity"  # all of it is shown
@@ -59,19 +61,26 @@ def quantity(
     largest = _largest(colours)
     signed = view.signed and min(colours) < -_ROUNDING * largest
     diverging = signed and max(colours) > _ROUNDING * largest
-    automatic = (-largest if signed else 0.0, largest if diverging or not signed else 0.0)
-    if not view.from_zero:
-        automatic = colours[0], max(colours[1], colours[0] + _ROUNDING * largest)
-    low, high = automatic if isinstance(limits, str) else limits
-    zero = (0.0,) if view.from_zero else ()
+
+    def automatic(colours: Ends) -> Ends:
+        largest = _largest(colours)
+        if not view.from_zero:
+            return colours[0], max(colours[1], colours[0] + _ROUNDING * largest)
+        least, most = -largest if signed else 0.0, largest if diverging or not signed else 0.0
+        return view.base + least, view.base + most
+
+    low, high = automatic(colours) if isinstance(limits, str) else limits
+    zero = (*((0.0,) if view.from_zero else ()), *view.walls)
+    least, most = with_margin((min(*zero, *along), max(*zero, *along)), largest)
     return Quantity(
         unit=unit_label(view.profile.unit, scene.units),
         colour_name=view.name,
-        colour_map=style.DIVERGING_MAP if diverging else style.COLOUR_MAP,
+        colour_map=style.DIVERGING_MAP if diverging or (view.signed and low < 0.0 < high) else style.COLOUR_MAP,
         colour_range=(low, high),
         profile=view.profile,
-        profile_range=with_margin((min(*zero, *along), max(*zero, *along)), largest),
+        profile_range=(view.base + least, view.base + most),
         error=view.error,
+        of_frame=automatic if limits == "frame" else None,
     )
 
 

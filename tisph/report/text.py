@@ -4,7 +4,6 @@ With them the velocities of the walls and the body acceleration are drawn.
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -33,12 +32,18 @@ def fitting_size(text: str, size: int, width: float) -> int:
     return size
 
 
-def paint_text(frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str) -> None:
-    """Write one line over the picture in ``box``, at its ``left`` or ``right`` side or its ``middle``."""
+def paint_text(
+    frame: np.ndarray, box: Rect, text: str, size: int, side: str, colour: str, rim: str | None = None
+) -> None:
+    """Write one line over the picture in ``box``, at its ``left`` or ``right`` side or its ``middle``.
+
+    ``rim``: colour of a rim around the letters, which is seen on any ground.
+    """
     image = Image.fromarray(frame[box.slices])
     place, anchor = {"left": (0, "lm"), "right": (box.width, "rm"), "middle": (box.width / 2, "mm")}[side]
     draw = ImageDraw.Draw(image)
-    draw.text((place, box.height / 2), text, fill=colour, font=style.text_font(size), anchor=anchor)
+    font, wide = style.text_font(size), 2 if rim else 0
+    draw.text((place, box.height / 2), text, colour, font, anchor, stroke_width=wide, stroke_fill=rim)
     frame[box.slices] = np.asarray(image)
 
 
@@ -137,39 +142,67 @@ def wall_labels(scene: Scene, layout: Layout) -> list[WallLabel]:
     return [WallLabel(layout, layout.wall(side), motion, scene.units) for side, motion in scene.walls]
 
 
-@dataclass(frozen=True)
 class DriveLabel:
-    """What drives the flow, in words and with an arrow, above the upper wall; nothing without any."""
+    """What drives the flow, in words and with an arrow, above the upper wall; nothing without any.
 
-    scene: Scene
-    layout: Layout
+    ``boxes``: the place of words and arrow. ``animated``: whether the drive changes in time, and the label with it.
+    """
 
-    @property
-    def box(self) -> Rect:
-        """The place of words and arrow."""
-        wall, px = self.layout.wall("top"), self.layout.pixels
-        width = min(math.ceil(text_width(self._words, px(14))) + px(10 + _ARROW), self.layout.split - px(16))
-        left = min(wall.left, self.layout.split - px(8) - width)
-        return Rect(left, wall.top - px(18), width, px(17))
+    def __init__(self, scene: Scene, layout: Layout):
+        self._scene, self._layout = scene, layout
+        self._name, unit, self._most = scene.drive_shown
+        self._unit = unit_label(unit, scene.units)
+        self._size = math.hypot(*self._most)
+        self.animated = self._size > 0.0 and scene.drive_share(scene.start_time) is not None
+        self._digits = fixed_point(self._size, 3) if self.animated else number
+        wall, px = layout.wall("top"), layout.pixels
+        widest = max(map(self._words, (1.0, -1.0) if self.animated else (1.0,)), key=len)
+        width = min(math.ceil(text_width(widest, px(14))) + px(10 + _ARROW), layout.split - px(16))
+        self.box = Rect(min(wall.left, layout.split - px(8) - width), wall.top - px(18), width, px(17))
+        self.boxes = [self.box]
+        self._font_size = fitting_size(widest, px(14), width - px(10 + _ARROW))
 
-    def paint(self, frame: np.ndarray) -> None:
-        """Lay words and arrow over ``frame``."""
-        if not any(self.scene.drive_shown[2]):
+    def paint(self, frame: np.ndarray, t: float) -> None:
+        """Lay words and arrow of time ``t`` over ``frame``."""
+        if not self._size:
             return
-        box, px = self.box, self.layout.pixels
+        box, px, colour = self.box, self._layout.pixels, self._layout.theme.text
+        share = self._scene.drive_share(t) if self.animated else 1.0
+        assert share is not None
         words = Rect(box.left, box.top, box.width - px(10 + _ARROW), box.height)
-        size, colour = fitting_size(self._words, px(14), words.width), self.layout.theme.text
-        paint_text(frame, words, self._words, size, "left", colour)
-        along, up = self.scene.drive_shown[2]
+        paint_text(frame, words, self._words(share), self._font_size, "left", colour)
+        along, up = self._most
         if abs(along) >= abs(up):
             arrow = Rect(box.right - px(_ARROW), box.top + (box.height - px(_HEAD)) // 2, px(_ARROW), px(_HEAD))
-            paint_arrow(frame, arrow, math.copysign(1.0, along), colour)
+            paint_arrow(frame, arrow, share * math.copysign(1.0, along), colour)
         else:
             arrow = Rect(box.top, box.right - px((_ARROW + _HEAD) / 2), box.height, px(_HEAD))  # columns are rows
-            paint_arrow(frame.transpose(1, 0, 2), arrow, -math.copysign(1.0, up), colour)
+            paint_arrow(frame.transpose(1, 0, 2), arrow, -share * math.copysign(1.0, up), colour)
 
-    @property
-    def _words(self) -> str:
-        name, unit, (along, up) = self.scene.drive_shown
-        size = math.hypot(along, up) if up else along
-        return f"{name} {number(size)} {unit_label(unit, self.scene.units)}"
+    def _words(self, share: float) -> str:
+        along, up = self._most
+        return f"{self._name} {self._digits(share * (self._size if up else along))} {self._unit}"
+
+
+SCALE_TICKS = np.linspace(0.0, 1.0, 5)
+"""Places along a colour bar, from its lower end, of numbers that change from frame to frame."""
+SCALE_ROOM = "−0.00000"
+"""The longest of these numbers."""
+
+
+class ScaleLabel:
+    """The numbers beside the colour bar of a scale that changes; ``boxes``: their places."""
+
+    def __init__(self, layout: Layout):
+        bar, px = layout.colour_bar, layout.pixels
+        self._layout, width = layout, math.ceil(text_width(SCALE_ROOM, px(13)))
+        rows = [round(bar.bottom - share * bar.height) for share in SCALE_TICKS]
+        self.boxes = [Rect(bar.right + px(7), row - px(9), width, px(18)) for row in rows]
+
+    def paint(self, frame: np.ndarray, limits: tuple[float, float]) -> None:
+        """Lay the numbers of a scale between ``limits`` over ``frame``."""
+        low, high = limits
+        for box, share in zip(self.boxes, SCALE_TICKS, strict=True):
+            value = low + (high - low) * share
+            text = number(value if abs(value) > 1e-9 * (high - low) else 0.0, 2)
+            paint_text(frame, box, text, self._layout.pixels(13), "left", self._layout.theme.text)

@@ -38,7 +38,7 @@ from tisph.scenes._cell_flow import (
 from tisph.scenes._initial import still_problem
 from tisph.scenes._scene import largest_speed
 from tisph.scenes._spacing import wanted_spacing
-from tisph.scenes._views import Profile, TimeSeries, velocity_profile
+from tisph.scenes._views import SHOWN, Profile, TimeSeries, velocity_profile
 from tisph.snapshot import Snapshot
 
 MOMENTS = 25
@@ -177,9 +177,6 @@ class DevelopedFlow:
 
 MOST_RATIOS = 3
 """Most density ratios that are listed one by one."""
-
-SHOWN = 3
-"""Most free bodies in the panel of a movie."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -337,11 +334,12 @@ class Cell(CellFlow):
         return exact, f"Jeffery, without walls: period {period:.4g} {self.units.time}"
 
     def _distance_series(self) -> TimeSeries:
-        """Return the distance between the centres of two free bodies, and their distance in contact if both are round.
+        """Return the distance between the centres of two free bodies, and where contact begins if both are round.
 
         A body that has left a periodic box counts where it comes in again.
         """
-        radii = [getattr(self.bodies[index].shape, "radius", math.nan) for index in self._free]
+        near = sum(getattr(self.bodies[index].shape, "radius", math.nan) for index in self._free)
+        near += self.contact_distance
 
         def measure(snapshot: Snapshot) -> np.ndarray:
             bodies: Any = snapshot.bodies
@@ -357,8 +355,9 @@ class Cell(CellFlow):
             columns=["distance"],
             labels=[("between their centres", None)],
             measure=measure,
-            levels=[sum(radii)],
-            level_name="in contact",
+            levels=[near],
+            level_name="contact",
+            event=("contact", lambda distance: distance[0] <= near),
         )
 
     def _relative_viscosity_series(self) -> TimeSeries:

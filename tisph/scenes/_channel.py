@@ -553,6 +553,14 @@ class Channel(ChannelFlow, Scene):
         found = {"speed": speed, "shear_stress": shear, "normal_stress_difference": normal}
         return {name: self.compared(profile) for name, profile in found.items()}
 
+    def slip_wall_velocity(self, points: np.ndarray, t: float) -> np.ndarray:
+        """See ``Scene.slip_wall_velocity``."""
+        found = np.full(points.shape, np.nan)
+        for side, wall in enumerate(self.pair):
+            if self.slip_lengths[side]:
+                found[np.isclose(points[:, 1], self.gap * side)] = float(wall.velocity(t)), 0.0
+        return found
+
     def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
         """Return values that span the range of a ``profile`` to time ``end``, wall velocities included."""
         found = [*profile.extremes(self.start_time, end)]

@@ -110,6 +110,10 @@ class Scene(FlowInBox):
         """What movies show as the drive of the flow: its name, kind of unit, and components along x and y."""
         return "drive", "acceleration", (self.acceleration, 0.0)
 
+    def drive_share(self, t: float) -> float | None:
+        """Return the drive at time ``t`` over ``drive_shown``; None if it is constant."""
+        return None
+
     @cached_property
     def region(self) -> Region:
         """The fluid's region, a box without bodies."""
@@ -207,6 +211,18 @@ class Scene(FlowInBox):
         """Return the time series that a movie shows."""
         return self.time_series()
 
+    def movie_marks(self, snapshot: Snapshot) -> list[tuple[str, float, float]]:
+        """Return the places on walls that a movie marks: name, x and y of each."""
+        return []
+
+    def slip_wall_velocity(self, points: np.ndarray, t: float) -> np.ndarray:
+        """Return the velocities (n, 2) of walls along which the fluid slips, at ``points`` on them; NaN elsewhere."""
+        found = np.full(points.shape, np.nan)
+        for body in (body for body in self.bodies if body.slip_length):
+            there = np.abs(body.nearest(points, t).distance) < 1e-3 * self.spacing
+            found[there] = body.velocity(points[there], t)
+        return found
+
     def movie_ends(self, profile: Profile, end: float) -> Sequence[float]:
         """Return values that span the range of ``profile``, one of ``movie_profiles``, to time ``end``."""
         return profile.extremes(self.start_time, end)
@@ -232,15 +248,18 @@ class Scene(FlowInBox):
         words = f"polymer {words}" if self.polymer and words == "shear stress" else words
         judged, errors = name if name in carried else "u", ERRORS | {each: (each, colour.words) for each in carried}
         known = profile if profile and profile.exact and judged in self.fields else None
+        shown = profile or Profile(colour.words, colour.unit, own["speed"].line, of)
         return MovieView(
             name=words,
             signed=colour.signed,
             of=of,
-            profile=profile or Profile(colour.words, colour.unit, own["speed"].line, of),
+            profile=shown,
             ends=self.movie_ends(known, end) if known else None,
             values=known.spread(self.start_time, end) if known else None,
             error=errors[name] if errors.get(name, ("",))[0] in self.fields else None,
             from_zero=colour.from_zero,
+            base=colour.base[self.axisymmetric],
+            walls=np.concatenate([shown.of_slip_walls(self, t)[0] for t in (self.start_time, end)]).tolist(),
         )
 
 

@@ -90,7 +90,12 @@ class OpenEnded(BodyScene):
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
         along = self.inlet.course.largest_speed * self.inlet.shape.normal[0]
-        return "inlet" if self._constant else "inlet up to", "velocity", (float(along), 0.0)
+        return "inlet", "velocity", (float(along), 0.0)
+
+    def drive_share(self, t: float) -> float | None:
+        """See ``Scene.drive_share``."""
+        course = self.inlet.course
+        return None if self._constant else float(course.velocity(t)) / course.largest_speed
 
     @property
     def _constant(self) -> bool:
@@ -193,8 +198,7 @@ class Stream(OpenEnded, Cell):
     def flow_quantities(self) -> tuple[str, ...]:
         """Loads on bodies, motions of free ones, the pressure drop, where flow separates at a step and reattaches."""
         moved = [name for name in super().flow_quantities if name != VELOCITY]
-        places = [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
-        return (*moved, *(["pressure_drop"] if not self._jumps else []), *places)
+        return (*moved, *(["pressure_drop"] if not self._jumps else []), *self._turning_names)
 
     def thinnest_layer(self, t: float) -> Size:
         """See ``Scene.thinnest_layer``: none in a flow that is developed from the start."""
@@ -228,7 +232,14 @@ class Stream(OpenEnded, Cell):
             ends = outline[[np.argmin(outline[:, 0]), np.argmax(outline[:, 0])]]
             found[f"pressure_difference{name}"] = -float(np.diff(self._pressures(snapshot, ends))[0])
         found |= {**self.balance(snapshot, flows), **self.drop_in_time(snapshot.t, series)}
-        return {**found, **self._turns(snapshot), **planar_diagnostics(self, snapshot)[1]}
+        turns = {name: float(place[0]) for name, place in self._turns(snapshot).items()}
+        places = {name: turns.get(name) for name in self._turning_names}
+        return {**found, **places, **planar_diagnostics(self, snapshot)[1]}
+
+    @property
+    def _turning_names(self) -> list[str]:
+        """Names of the places where the flow along stepped walls separates and reattaches."""
+        return [f"{kind}_{side}" for side in self._stepped for kind in ("separation", "reattachment")]
 
     @property
     def _stepped(self) -> list[str]:
@@ -239,9 +250,12 @@ class Stream(OpenEnded, Cell):
     def _walls(self) -> list[tuple[str, Body]]:
         return list(zip(self.names, self.bodies, strict=True))[self.count : -2]
 
-    def _turns(self, snapshot: Snapshot) -> dict[str, float | None]:
-        """Return the places where the flow along stepped walls separates from them, and reattaches."""
-        found: dict[str, float | None] = {}
+    def _turns(self, snapshot: Snapshot, on_one_part: bool = False) -> dict[str, np.ndarray]:
+        """Return the places (2,) where the flow along stepped walls separates from them, and reattaches, by names.
+
+        Where a wall is across the flow its direction is not known: ``on_one_part`` leaves out places beside that.
+        """
+        found: dict[str, np.ndarray] = {}
         if not self._stepped:
             return found
         positions, velocity = with_walls(self, snapshot)
@@ -259,13 +273,20 @@ class Stream(OpenEnded, Cell):
             across = np.einsum("pk,pkc->pc", normal, slopes)
             along = across[:, 0] * np.abs(normal[:, 1]) - across[:, 1] * normal[:, 0] * np.sign(normal[:, 1])
             flat = np.abs(normal[:, 1]) > 0.7
-            x, along = point[flat, 0], along[flat] * self.inlet.shape.normal[0]
+            place, along = point[flat], along[flat] * self.inlet.shape.normal[0]
             for kind, sign, which in (("separation", 1.0, 0), ("reattachment", -1.0, -1)):
                 turns = np.flatnonzero((sign * along[:-1] > 0.0) & (sign * along[1:] <= 0.0))
-                k = turns[which] if len(turns) else None
-                place = None if k is None else float(x[k] + (x[k + 1] - x[k]) * along[k] / (along[k] - along[k + 1]))
-                found[f"{kind}_{name[1:]}"] = place
+                k = turns[which] if len(turns) else 0
+                near = np.linalg.norm(place[k + 1] - place[k]) < self.wanted_spacing.smallest
+                if len(turns) and (near or not on_one_part):
+                    share = along[k] / (along[k] - along[k + 1])
+                    found[f"{kind}_{name[1:]}"] = place[k] + share * (place[k + 1] - place[k])
         return found
+
+    def movie_marks(self, snapshot: Snapshot) -> list[tuple[str, float, float]]:
+        """See ``Scene.movie_marks``: where the flow along stepped walls separates, and reattaches."""
+        found = self._turns(snapshot, on_one_part=True)
+        return [(name.partition("_")[0], float(x), float(y)) for name, (x, y) in found.items()]
 
     def profiles(self) -> list[Profile]:
         """Return both components of the velocity across the middle, u with Poiseuille flow where this is exact."""
@@ -317,9 +338,28 @@ class Stream(OpenEnded, Cell):
         )
 
     def movie_series(self) -> TimeSeries:
-        """Return forces on the bodies, or how free ones move; without bodies the flow rates."""
+        """Return forces on the bodies, or how free ones move; without bodies places of stepped walls, or flow rates.
+
+        The places are those where the flow separates and reattaches.
+        """
         flows = ("inflow", "outflow"), "flow rate per length", "planar_flow_rate"
-        return super().movie_series() if self.count else self.time_series().only(*flows)
+        if self.count or not self._stepped:
+            return super().movie_series() if self.count else self.time_series().only(*flows)
+        names = self._turning_names
+
+        def measure(snapshot: Snapshot) -> np.ndarray:
+            found = self._turns(snapshot, on_one_part=True)
+            return np.array([found[name][0] if name in found else np.nan for name in names])
+
+        return TimeSeries(
+            content="places where the flow along stepped walls separates and reattaches, over time t",
+            name="place x on the wall",
+            unit="length",
+            scale=self.reference_length,
+            columns=names,
+            labels=[(name.partition("_")[0] if len(names) == 2 else name.replace("_", " "), None) for name in names],
+            measure=measure,
+        )
 
     def parameters(self) -> list[tuple[str, str]]:
         """Return pairs (label, text) that describe the flow, independent of particles."""
@@ -384,6 +424,10 @@ class PressureStream(Stream):
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
         """See ``Scene.drive_shown``."""
         return "pressure drop", "stress", (float(self._drop * self.inlet.shape.normal[0]), 0.0)
+
+    def drive_share(self, t: float) -> float | None:
+        """See ``Scene.drive_share``."""
+        return None
 
     @property
     def _constant(self) -> bool:

@@ -24,6 +24,9 @@ from tisph.snapshot import Snapshot
 
 ROUNDING = 1e-6  # spacings
 _AT_REST = 1e-3  # of reference velocity over length: a shear rate that errors alone may make
+SHOWN = 3
+"""Most free bodies in the panel of a movie, and with paths in its picture."""
+
 _TIMES, _POINTS = 60, 101  # at which the range of a reference is evaluated
 
 
@@ -137,6 +140,17 @@ class Profile:
         """Return the profile without its reference."""
         return replace(self, exact=None, scale=None)
 
+    def of_slip_walls(self, scene: Any, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities of walls with slip at the ends of the line, if any, and their coordinates."""
+        points = np.stack(np.broadcast_arrays(*self.line.points(np.array(self.line.ends))), axis=1)
+        velocity = scene.slip_wall_velocity(points, t)
+        known = np.isfinite(velocity[:, 0]) & (self.unit == "velocity")
+        if not known.any():
+            return np.empty(0), np.empty(0)
+        none, (x, y), (u, v) = np.zeros(known.sum()), points[known].T, velocity[known].T
+        walls = Snapshot(t, 0, x, y, u, v, density=none, pressure=none)
+        return np.asarray(self.of(walls)), np.array(self.line.ends)[known]
+
     def extremes(self, start: float, end: float) -> tuple[float, float]:
         """Return the smallest and largest finite value of the reference on the line from time ``start`` to ``end``.
 
@@ -171,10 +185,11 @@ class MovieView:
     """The quantity that colours the fluid in a movie, and the profile beside it.
 
     ``of``: function of a snapshot that returns the quantity. ``signed``: colours span minus to plus the largest
-    magnitude if it has both signs, else they start at 0; without ``from_zero`` they span the least to the largest
-    value. Ranges of the run: ``ends`` spans the profile, and ``values``, which are even over fluid and time, give the
-    limits of the colours; None if only the frames show them. ``error``: name in a snapshot and in words of the field
-    whose error is written beside the movie; None for the velocity.
+    magnitude if it has both signs, else they start at 0, or at ``base``; without ``from_zero`` they span the least to
+    the largest value. Ranges of the run: ``ends`` spans the profile, and ``values``, which are even over fluid and
+    time, give the limits of the colours; None if only the frames show them. ``error``: name in a snapshot and in words
+    of the field whose error is written beside the movie; None for the velocity. ``walls``: velocities of walls that
+    the axis of the profile spans, too.
     """
 
     name: str
@@ -185,6 +200,8 @@ class MovieView:
     values: np.ndarray | None = None
     error: tuple[str, str] | None = None
     from_zero: bool = True
+    base: float = 0.0
+    walls: Sequence[float] = ()
 
 
 @dataclass(frozen=True)
@@ -202,7 +219,8 @@ class TimeSeries:
     of each, and ``panels`` the pair (name, unit) of the axes of each; numbers with the same pair share axes, and a
     number with None is not drawn. ``levels``: steady value of each number, NaN if unknown; ``level_name``: their name.
     ``reference``: name of ``exact`` in pictures where it is that of another flow. ``may_be_steady``: whether numbers
-    without ``sizes`` are judged (``measures/steadiness.py``), as numbers with them are.
+    without ``sizes`` are judged (``measures/steadiness.py``), as numbers with them are. ``event``: name of an event
+    that a movie marks at its first time, and whether numbers (numbers,) show it.
     """
 
     content: str
@@ -223,6 +241,7 @@ class TimeSeries:
     level_name: str = "exact, when steady"
     reference: str = ""
     may_be_steady: bool = False
+    event: tuple[str, Callable[[np.ndarray], bool]] | None = None
 
     @property
     def judged_sizes(self) -> dict[str, float]:
@@ -271,8 +290,9 @@ class Colour:
     """A quantity that may colour a movie.
 
     ``of``: function of a scene and a snapshot that returns the quantity (particles,); ``unit``: a kind of unit;
-    ``signed``: whether the quantity has both signs; ``from_zero``: whether its colours span 0; ``fields``: the fields
-    of a snapshot that it needs beside places, velocities and shear stress.
+    ``signed``: whether the quantity has both signs; ``from_zero``: whether its colours span ``base``, its value in a
+    fluid at rest in plane and in axisymmetric flow. ``fields``: the fields of a snapshot that it needs beside places,
+    velocities and shear stress.
     """
 
     words: str
@@ -281,6 +301,7 @@ class Colour:
     signed: bool = True
     from_zero: bool = True
     fields: tuple[str, ...] = ()
+    base: tuple[float, float] = (0.0, 0.0)
 
 
 def _strain(scene: FlowInBox, snapshot: Snapshot) -> np.ndarray:
@@ -374,7 +395,7 @@ COLOURS = {
     "shear_rate": Colour("shear rate", "rate", _shear_rate, signed=False),
     "viscosity": Colour("viscosity", "viscosity", _viscosity, fields=_NORMAL),
     "conformation_trace": Colour(
-        "trace of the conformation tensor", "number", _conformation_trace, signed=False, fields=_NORMAL
+        "trace of the conformation tensor", "number", _conformation_trace, signed=False, fields=_NORMAL, base=(2.0, 3.0)
     ),
     "error": Colour("error of the velocity", "velocity", _error, signed=False),
 }

@@ -165,6 +165,10 @@ class Cavity(BodyScene):
         """See ``Scene.drive_shown``."""
         return "lid", "velocity", (self.velocity, 0.0)
 
+    def drive_share(self, t: float) -> float | None:
+        """See ``Scene.drive_share``."""
+        return float(self._part(t)) if self.varying else None
+
     @property
     def velocity_scale(self) -> float:
         """The largest speed of the lid."""

@@ -8,7 +8,7 @@ at first, until they carry a part of the torque (G. I. Taylor, Phil. Trans. R. S
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -252,8 +252,19 @@ class Scene(AxisymmetricScene):
         )
 
     def movie_series(self) -> TimeSeries:
-        """Return the torques on the cylinders."""
-        return self.time_series().only("torque", "torque", "moment")
+        """Return the torques on the cylinders, over those of laminar flow where these are known."""
+        series = self.time_series().only("torque", "torque", "moment")
+        if not (series.levels and self.laminar_torque):
+            return series
+        laminar = np.array(series.levels)
+        return replace(
+            series,
+            name="torque over laminar torque",
+            unit="number",
+            columns=[f"{name}_ratio" for name in series.columns],
+            measure=lambda snapshot: series.measure(snapshot) / laminar,
+            levels=[1.0, 1.0],
+        )
 
 
 def _spins(config: "Config") -> dict[str, Any]:

@@ -125,6 +125,22 @@ def test_gravity_points_down_and_a_lid_along():
     assert scene_of("cavity").drive_shown == ("lid", "velocity", (1.0, 0.0))
 
 
+def inked(label, t):
+    """Return the columns of the label that have ink at time ``t``, without its words."""
+    frame = np.full((640, 1280, 3), 255, dtype=np.uint8)
+    label.paint(frame, t)
+    return np.flatnonzero((frame[label.boxes[0].slices][:, -34:, 0] < 90).any(axis=0))
+
+
+def test_the_arrow_of_a_lid_follows_its_velocity():
+    lid = scene_of("cavity_oldroyd_b")
+    label = DriveLabel(lid, arrange(lid, 1280, 640))
+    lengths = [np.ptp(inked(label, t)) if len(inked(label, t)) else 0 for t in (0.0, 0.5, 1.0)]
+    assert label.animated
+    assert lengths == pytest.approx([0, 17, 34], abs=2)  # pixels: half the speed at t = 0.5
+    assert not DriveLabel(scene_of("cavity"), arrange(scene_of("cavity"), 1280, 640)).animated
+
+
 def test_names_of_axes_and_places_of_cuts():
     ball, cavity = scene_of("falling_ball"), scene_of("cavity")
     assert [coordinate_name(ball, axis) for axis in "xy"] == ["x", "r"]

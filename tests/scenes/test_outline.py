@@ -156,7 +156,13 @@ def test_flow_reattaches_where_its_shear_changes_sign(load_flow, mirrored):
     x, y = scene.jittered(1, 0.3)
     part = 2.0 * y - 1.0
     u = np.where(image(x) < 0.9, 6.0 * part * (1.0 - part), (image(x) - 1.45) * y) * (-1.0 if mirrored else 1.0)
-    snapshot = Snapshot(0.0, 0, x, y, u, 0.0 * x, 0.0 * x, 0.0 * x)
+    snapshot = Snapshot(1.0, 0, x, y, u, 0.0 * x, 0.0 * x, 0.0 * x)
     found = scene.diagnostics(replace(snapshot, bodies=Bodies.at(0.0, scene.bodies)), [])
     assert found["reattachment_bottom"] == pytest.approx(image(1.45), abs=1e-9)
     assert 0.6 < image(found["separation_bottom"]) < 1.0  # at the step
+    shown = replace(snapshot, bodies=Bodies.at(0.0, scene.bodies))
+    marks = {name: place for name, *place in scene.movie_marks(shown)}
+    assert marks["reattachment"] == pytest.approx([image(1.45), 0.0], abs=1e-9)
+    series = scene.movie_series()
+    measured = dict(zip(series.columns, series.measure(shown), strict=True))
+    assert measured["reattachment_bottom"] == marks["reattachment"][0]

@@ -207,7 +207,7 @@ class _Stage:
         self.overlay.plot([left, left + px(20)], [row, row], "-", color=self.theme.particles, linewidth=px(4))
         particles = self._text(left + px(26), row, "tisph", size=14, va="center")
         end = self._right_end(particles) + px(16)
-        if len(quantity.profile.of_slip_walls(self.scene, self.scene.start_time)[0]):
+        if len(quantity.profile.of_slip_walls(self.scene.slip_wall_velocity, self.scene.start_time)[0]):
             self.overlay.plot([end + px(6)], [row], "o", color=self.theme.wall_moving, markersize=px(9))
             end = px(16) + self._right_end(self._text(end + px(15), row, "wall", size=14, va="center"))
         if quantity.profile.exact is None:

@@ -283,7 +283,9 @@ class Turning:
 
     def __init__(self, scene: Scene, layout: Layout):
         self._scene, self._layout, self._unit = scene, layout, f"rad/{scene.units.time}"
-        self._walls = [(body, self._place(body)) for body in scene.bodies if body.spin.largest_speed]
+        sides = getattr(scene, "sides", [0.0] * len(scene.bodies))
+        turning = [pair for pair in zip(scene.bodies, sides, strict=True) if pair[0].spin.largest_speed]
+        self._walls = [(body, self._place(body), side or 1.0) for body, side in turning]
 
     def _place(self, body: Body) -> tuple[float, float]:
         """Return the column and row in the panel of the middle of the words: within the solid."""
@@ -295,17 +297,17 @@ class Turning:
         beyond = 0.5 * RIM * max(self._scene.extent)
         return self._layout.pixel_positions(*(middle - beyond * normal))
 
+    def words(self, index: int, t: float) -> str:
+        """Return the words beside the wall or body ``index`` of those that turn, at time ``t``."""
+        body, _, side = self._walls[index]
+        speed = side * float(body.spin.velocity(t))
+        return f"{_TOWARDS if speed > 0.0 else _AWAY} {number(abs(speed), 3)} {self._unit}" if speed else ""
+
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the words of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        for (body, (column, row)), side in zip(self._walls, self._sides, strict=True):
-            speed, size = side * float(body.spin.velocity(snapshot.t)), self._layout.pixels(15)
-            words = f"{_TOWARDS if speed > 0.0 else _AWAY} {number(abs(speed), 3)} {self._unit}" if speed else ""
+        for index, (_, (column, row), _) in enumerate(self._walls):
+            words, size = self.words(index, snapshot.t), self._layout.pixels(15)
             paint_note(panel, column, row, words, size, self._layout.theme.text)
-
-    @property
-    def _sides(self) -> list[float]:
-        sides = getattr(self._scene, "sides", [1.0] * len(self._scene.bodies))
-        return [side or 1.0 for side, body in zip(sides, self._scene.bodies, strict=True) if body.spin.largest_speed]
 
 
 _TOWARDS, _AWAY = "⊙", "⊗"

@@ -175,7 +175,7 @@ class ProfilePanel:
             exact = profile.exact(*profile.line.points(self._coordinates), snapshot.t)
             curve = self._curve(exact, self._coordinates, snapshot)
             blend(panel, self._line.cover(curve), style.rgb(theme.exact))
-        column, row = self._pixels(*profile.of_slip_walls(self._scene, snapshot.t))
+        column, row = self._pixels(*profile.of_slip_walls(self._scene.slip_wall_velocity, snapshot.t))
         row = np.clip(row, _WALL_DOT * self._layout.scale, panel.shape[0] - _WALL_DOT * self._layout.scale)
         blend(panel, self._wall_dot.cover((column, row)), style.rgb(theme.wall_moving))
 

@@ -259,7 +259,9 @@ class Scene(FlowInBox):
             error=errors[name] if errors.get(name, ("",))[0] in self.fields else None,
             from_zero=colour.from_zero,
             base=colour.base[self.axisymmetric],
-            walls=np.concatenate([shown.of_slip_walls(self, t)[0] for t in (self.start_time, end)]).tolist(),
+            walls=np.concatenate(
+                [shown.of_slip_walls(self.slip_wall_velocity, t)[0] for t in (self.start_time, end)]
+            ).tolist(),
         )
 
 

@@ -253,10 +253,11 @@ class Stream(OpenEnded, Cell):
     def _turns(self, snapshot: Snapshot, on_one_part: bool = False) -> dict[str, np.ndarray]:
         """Return the places (2,) where the flow along stepped walls separates from them, and reattaches, by names.
 
-        Where a wall is across the flow its direction is not known: ``on_one_part`` leaves out places beside that.
+        Where a wall is across the flow its direction is not known: ``on_one_part`` leaves out places beside that, and
+        the start, at which the flow is none yet.
         """
         found: dict[str, np.ndarray] = {}
-        if not self._stepped:
+        if not self._stepped or (on_one_part and snapshot.t <= self.start_time):
             return found
         positions, velocity = with_walls(self, snapshot)
         if not (np.isfinite(positions).all() and np.isfinite(velocity).all()):

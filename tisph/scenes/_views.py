@@ -140,10 +140,13 @@ class Profile:
         """Return the profile without its reference."""
         return replace(self, exact=None, scale=None)
 
-    def of_slip_walls(self, scene: Any, t: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the velocities of walls with slip at the ends of the line, if any, and their coordinates."""
+    def of_slip_walls(self, wall_velocity: Callable, t: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities of walls with slip at the ends of the line, if any, and their coordinates.
+
+        ``wall_velocity``: ``Scene.slip_wall_velocity``.
+        """
         points = np.stack(np.broadcast_arrays(*self.line.points(np.array(self.line.ends))), axis=1)
-        velocity = scene.slip_wall_velocity(points, t)
+        velocity = wall_velocity(points, t)
         known = np.isfinite(velocity[:, 0]) & (self.unit == "velocity")
         if not known.any():
             return np.empty(0), np.empty(0)

@@ -36,7 +36,8 @@ from tisph.simulation import recording
 
 pytestmark = pytest.mark.taichi
 
-FORMS = parse((Path(__file__).parent / "data" / "every_key.yaml").read_text(encoding="utf-8")).data
+DATA = Path(__file__).parent / "data"
+FORMS = parse((DATA / "every_key.yaml").read_text(encoding="utf-8")).data
 SHARED = FORMS.pop("shared")
 NAMES = [f"{scene}: {form}" for scene, forms in FORMS.items() for form in forms]
 
@@ -51,6 +52,12 @@ PARTNERS = {
     "scheme.largest_strain": {"time.tolerance": 0.1},
     "units.mass": {"output.video.color_by": "pressure"},
     "temperature.unit": {"output.video.color_by": "temperature"},
+    "bodies.file.unit": {"bodies.0.file.scale": 0.38},
+    **{f"walls.{side}.file.scale": {"geometry.length": 3.0} for side in ("top", "bottom")},
+    **{
+        f"walls.{side}.file.unit": {"geometry.length": 5.08, "discretisation.particles_across": 25}
+        for side in ("top", "bottom")
+    },
 }
 """Key -> other keys, with the values that they need beside it."""
 
@@ -103,7 +110,12 @@ def merged(base, changes):
 
 def loaded(data):
     """Return the checked config."""
-    return model_of(data).model_validate(data)
+    return model_of(data).model_validate(data, context={"folder": DATA, "data": data})
+
+
+def place_of(key):
+    """Return the place of a dotted key, the numbers of items as numbers."""
+    return [int(part) if part.isdecimal() else part for part in key.split(".")]
 
 
 def put(data, place, value):
@@ -184,6 +196,16 @@ REQUIRED = {
 }
 
 
+OF_FILES = {
+    "path": [["others.svg"]] * 2,
+    "unit": [["in"]] * 2,
+    "part": [["b"], ["hill"]],
+    "scale": [[], [1.5]],
+    "angle": [[], [np.pi, 0.0]],
+}
+"""Key of a file -> other values for a body, and for a wall."""
+
+
 def candidates(place, kinds, value, settings):
     """Return a few other values of a key; ``settings``: the config."""
     key = dotted(place)
@@ -205,6 +227,8 @@ def candidates(place, kinds, value, settings):
         return [{"top": 0.3}]
     if key == "discretisation.refine.near":
         return ["walls.bottom"]
+    if re.search(r"\.file\.(path|unit|part)$", key) or re.match(r"walls\..*\.file\.(scale|angle)$", key):
+        return OF_FILES[key.rpartition(".")[2]][key.startswith("walls")]
     found = [each for kind, metadata in kinds for each in values(kind, metadata, value, REQUIRED)]
     if key == "scheme":  # auto is one of the others
         found = [each for each in found if each["type"] != resolve(settings)[0].scheme.type]
@@ -248,7 +272,7 @@ def accepted(name, key):
     for other in others:
         before, after = data, put(data, place, other)
         for partner, needed in PARTNERS.get(key, {}).items():
-            before, after = (put(each, partner.split("."), needed) for each in (before, after))
+            before, after = (put(each, place_of(partner), needed) for each in (before, after))
         with contextlib.suppress(ValidationError):
             after = loaded(after)
             with contextlib.suppress(ValidationError):  # or the key takes the place of its partner

@@ -94,7 +94,7 @@ class Placed(Model):
     """
 
     shaped_by: ClassVar[str]
-    unset_keys = (*FREE_KEYS, "slip_length", "spacing")
+    unset_keys: ClassVar[tuple[str, ...]] = (*FREE_KEYS, "slip_length", "spacing")
 
     centre: Point = (0.0, 0.0)
     angle: Signed = 0.0

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag, ValidationError
+from pydantic import AfterValidator, Discriminator, Field, GetCoreSchemaHandler, Tag, ValidationError, ValidationInfo
 from pydantic_core import CoreSchema, core_schema
 
 from tisph import registry
@@ -95,13 +95,13 @@ class Member:
                 return name
         return max(models, key=lambda name: len(models[name].model_fields.keys() & value.keys()))
 
-    def _validate(self, value: object) -> Model:
+    def _validate(self, value: object, info: ValidationInfo) -> Model:
         if isinstance(value, Model):
             return value
         model = self.model(value)
         if model is None:
             raise self._refuse(value)
-        return model.model_validate(value)
+        return model.model_validate(value, context=info.context)
 
     def _refuse(self, value: object) -> Exception:
         members = registry.names(self.family)
@@ -111,7 +111,7 @@ class Member:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         serialization = core_schema.plain_serializer_function_ser_schema(lambda model: model.model_dump())
-        return core_schema.no_info_plain_validator_function(self._validate, serialization=serialization)
+        return core_schema.with_info_plain_validator_function(self._validate, serialization=serialization)
 
 
 def bodies(required: bool = False) -> Any:

@@ -5,6 +5,7 @@ Each line has the key, its value, the allowed values and the nearest valid key.
 
 import json
 import re
+import shutil
 import tempfile
 import unicodedata
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
@@ -206,11 +207,26 @@ def config_file(config: Asked) -> Iterator[str]:
     with tempfile.TemporaryDirectory(prefix="tisph-") as folder:
         path = Path(folder) / "run.yaml"
         resolved = getattr(config, "resolved_yaml", None)
+        if not resolved:
+            _copy_shapes(config, Path(folder))
         path.write_text(resolved() if resolved else json.dumps(_plain(config)), encoding="utf-8")
         try:
             yield str(path)
         except TisphError as error:
             raise type(error)(re.sub(rf"{re.escape(str(path))}(:\d+)?", "config", str(error))) from None
+
+
+def _copy_shapes(data: Any, folder: Path) -> None:
+    """Copy the files of shapes in a dict, which are in the current folder, to the ``folder`` of its YAML file."""
+    for value in data.values() if isinstance(data, Mapping) else data if isinstance(data, list | tuple) else ():
+        _copy_shapes(value, folder)
+    given = data.get("file") if isinstance(data, Mapping) else None
+    name = given.get("path") if isinstance(given, Mapping) else given
+    here = Path.cwd().resolve()
+    if isinstance(name, str) and (source := here / name).is_file() and here in source.resolve().parents:
+        target = folder / source.resolve().relative_to(here)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, target)
 
 
 def loaded(config: Asked, overrides: Mapping[str, Any]) -> Config:
@@ -352,7 +368,8 @@ def load(path: str | Path, overrides: Sequence[str] = ()) -> Config:
         source.override(text, rank)
     source.data.setdefault("name", _default_name(source.path))
     try:
-        return model_of(source.data).model_validate(source.data)
+        context = {"folder": Path(path).parent, "data": source.data}  # for shapes from files
+        return model_of(source.data).model_validate(source.data, context=context)
     except ValidationError as error:
         raise ConfigError(_message(error, source)) from None
 

@@ -8,12 +8,14 @@ This file has the config; the flow is in ``_channel``. With ``bodies`` the flow 
 solution: the scene then is a cell between two walls (``_cell``). Runs without bodies do not import it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from tisph.bodies._files import FromFile, OfOutline
 from tisph.config import schema
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, findings, refusals, refuse
 from tisph.config.ends import Ends
@@ -58,7 +60,7 @@ class Geometry(Model):
     length: Positive
 
 
-class Wall(WallMotion):
+class Wall(FromFile, WallMotion):
     """Velocity of a wall along x from t = 0 on, of either sign: constant, or oscillating; or the stress that drives it.
 
     ``velocity`` [length/time], and ``velocity_before`` for another velocity before t = 0; or ``amplitude``
@@ -70,7 +72,8 @@ class Wall(WallMotion):
     ``phase``; or ``stresses``, each from one of the ``times`` on.
 
     Or a wall at rest that is no plane: its ``outline`` is a polyline through places [x, y] from x = 0 to x = length,
-    with corners rounded by arcs of ``corner_radius`` [length], or a ``smooth`` curve through them.
+    with corners rounded by arcs of ``corner_radius`` [length], or a ``smooth`` curve through them. Its places may come
+    from a ``file`` with an open path.
 
     The fluid at the wall is faster than the wall by ``slip_length`` [length] * shear stress / dynamic viscosity;
     ``infinite``: no shear stress, as on a flat free surface or a plane of symmetry. ``spacing``: see
@@ -89,7 +92,9 @@ class Wall(WallMotion):
         "slip_length",
         "spacing",
         *OUTLINE_KEYS,
+        "file",
     )
+    points_key, encloses, smooth_words = "outline", False, "smooth: true"
 
     velocity: Signed | None = None
     velocity_before: Signed | None = None
@@ -105,6 +110,7 @@ class Wall(WallMotion):
     outline: Annotated[tuple[Place, ...], Field(strict=False, min_length=2, max_length=1000)] | None = None
     corner_radius: Positive | None = None
     smooth: bool | None = None
+    file: OfOutline | None = None
     slip_length: SlipLength | None = None
     spacing: Spacing = None
 
@@ -160,6 +166,17 @@ class Wall(WallMotion):
         if self.smooth:
             return SmoothOutline(places, periodic=periodic)
         return Outline(places, self.corner_radius or 0.0, periodic=periodic)
+
+    @classmethod
+    def smooth_of(cls, data: Mapping[str, Any]) -> bool:
+        """Return whether raw ``data`` are a smooth wall."""
+        return bool(data.get("smooth"))
+
+    @classmethod
+    def shape_through(cls, points: np.ndarray, data: Mapping[str, Any], periodic: bool) -> Any:
+        """Return the outline of a bottom wall through ``points``."""
+        wall = cls.model_construct(outline=points.tolist(), **{key: data.get(key) for key in OUTLINE_KEYS[1:]})
+        return wall.shape("bottom", periodic)
 
 
 def _alien_keys(wall: Wall) -> Iterator[tuple[str, str]]:
@@ -442,7 +459,8 @@ def outlined_wall_problems(config: schema.Config) -> Iterator[Problem]:
             yield f"walls.{side}.outline", str(error)
             return
         if not -OVERSHOOT * height <= extent[0] <= extent[1] <= (1.0 + OVERSHOOT) * height:
-            yield f"walls.{side}.outline", f"must be within the box: y from {low:g} to {low + height:g}"
+            text = f"must be within the box: y from {low:g} to {low + height:g}"
+            yield f"walls.{side}.outline", f"{text}, not from {extent[0] + low:.6g} to {extent[1] + low:.6g}"
     walls = walls_along(config)
     sized = [(f"walls.{side}", wall, walls[side]) for side, wall in given.items() if side in walls]
     wanted = wanted_spacing(config, {f"walls.{side}": wall for side, wall in walls.items()})

@@ -166,7 +166,9 @@ def described(config: Config, numbers: dict[str, Any], warnings: Sequence[str]) 
     walls = [config.members["walls"].type] if "walls" in config.members else []
     yield f"{config.name}: valid ({', '.join([config.scene, config.scheme.type, *walls])})"
     scene = scenes.of(config)
-    known = [*scene.parameters(), *dimensionless_numbers(scene)]
+    files = config.at_walls("traced").items()
+    shapes = [(f"{key}.file", traced.described(config.units.length)) for key, traced in files]
+    known = [*scene.parameters(), *dimensionless_numbers(scene), *shapes]
     for label, text in [*known, *_run_lines(config, numbers), *_sample_lines(scene, numbers["samples"])]:
         yield f"  {label:22} {text}"
     for text in warnings:

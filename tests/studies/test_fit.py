@@ -15,7 +15,7 @@ from tisph.config import load
 from tisph.errors import ConfigError, TisphError
 from tisph.rheometry.rheometers import spectrum, uniform_shear
 from tisph.studies import fit
-from tisph.studies.predictions import Predictor
+from tisph.studies.predictions import Predictor, history_column
 
 VISCOSITY, RHEOLOGY = "fluid.dynamic_viscosity", "fluid.rheology."
 CARREAU = {"type": "carreau_yasuda", "time": 2.0, "index": 0.5}
@@ -150,7 +150,7 @@ def test_a_value_at_its_bound_is_undetermined(fitted, couette, tmp_path):
     path = curve(couette, tmp_path / "data.csv", {"type": "newtonian"}, noise=0.01)
     found = fitted(path, [f"{VISCOSITY}=3..10"], overrides({"type": "newtonian"}))
     assert found.complaints[0].startswith("misfit: the residuals are ")
-    assert found.complaints[1] == f"{VISCOSITY}: undetermined: values beyond its bounds, below 3, fit the data too"
+    assert found.doubts == {VISCOSITY: "undetermined: values beyond its bounds, below 3, fit the data too"}
 
 
 POWER = {"type": "power_law", "index": 0.6, "reference_rate": 1.0, "least_rate": 1e-4}
@@ -272,6 +272,42 @@ def test_the_command_prints_and_leaves_the_numbers(couette, tmp_path):
     assert doubtful.exit_code == 1
     assert "the fit is doubtful: fluid.rheology.relaxation_time: undetermined" in doubtful.stderr
     assert not json.loads(doubtful.stdout)["values"][f"{RHEOLOGY}relaxation_time"]["determined"]
+
+
+def test_a_run_predicts_what_the_exact_solution_does(couette, tmp_path):
+    """At places between the particles; a run with as few particles has an error of 1e-3."""
+    settings = ["discretisation.particles_across=10", "runtime.threads=1"]
+    at = {"t": np.full(9, 2.0), "x": np.full(9, 0.77), "y": np.linspace(0.55, 0.99, 9)}
+    predictor = Predictor(
+        str(couette), settings, fit.Measurements("velocity", at, {"u": at["y"]}), tmp_path / "runs", 1
+    )
+    [exact] = predictor([{"fluid.kinematic_viscosity": 0.05}])
+    predictor.exact, predictor.known = False, {}
+    [found] = predictor([{"fluid.kinematic_viscosity": 0.05}])
+    assert found["u"] == pytest.approx(exact["u"], abs=1e-3 * 0.5)
+    kept = {path.stat().st_mtime_ns for path in (tmp_path / "runs").glob("*/summary.json")}
+    again = Predictor(str(couette), settings, predictor.measurements, tmp_path / "runs", 1)
+    again.exact = False
+    assert again([{"fluid.kinematic_viscosity": 0.05}])[0]["u"].tolist() == found["u"].tolist()
+    assert {path.stat().st_mtime_ns for path in (tmp_path / "runs").glob("*/summary.json")} == kept
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "column"),
+    [
+        ("pipe", "force", ("force_outer", 1.0)),
+        ("spin_up", "torque", ("torque_outer", -1.0)),
+        ("creep_and_recovery", "speed", ("wall_velocity_top", 1.0)),
+        ("step_strain", "stress", ("wall_shear_top", 1.0)),
+        ("circular_couette", "stress", ("torque_inner", -1.0 / (2.0 * np.pi))),
+        ("falling_ball", "speed", ("velocity", 1.0)),
+        ("cylinder_in_channel", "drag", ("drag", 1.0)),
+    ],
+)
+def test_a_reading_of_a_rheometer_is_a_column_of_the_history(name, quantity, column):
+    config = load(Path(__file__).parents[2] / "configs" / f"{name}.yaml")
+    found, factor = history_column(config, scenes.of(config), quantity)
+    assert (found, factor) == (column[0], pytest.approx(column[1]))
 
 
 def test_python_returns_what_the_command_leaves(couette, tmp_path):

@@ -30,7 +30,10 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -225,8 +228,8 @@ class Fit:
 
     @property
     def complaints(self) -> list[str]:
-        """What is wrong with the fit, in words: a misfit, and keys that the data do not determine."""
-        return ([self.misfit] if self.misfit else []) + [f"{name}: {text}" for name, text in self.doubts.items()]
+        """What is wrong with the fit, in words: a misfit, else the keys that the data do not determine."""
+        return [self.misfit] if self.misfit else [f"{name}: {text}" for name, text in self.doubts.items()]
 
 
 class Problem:
@@ -451,15 +454,10 @@ def neighbours(data: Measurements) -> np.ndarray:
 
 def value_at(config: Config, key: str) -> Any:
     """Return the value of a dotted ``key`` of the config; None where it has none."""
-    found: Any = config.resolved()
-    for part in key.split("."):
-        if isinstance(found, Mapping):
-            found = found.get(part)
-        elif isinstance(found, list | tuple) and part.isdecimal() and int(part) < len(found):
-            found = found[int(part)]
-        else:
-            return None
-    return found
+    parts: list[Any] = [int(part) if part.isdecimal() else part for part in key.split(".")]
+    with suppress(KeyError, IndexError, TypeError):
+        return reduce(getitem, parts, config.resolved())
+    return None
 
 
 RHEOLOGY = "fluid.rheology."

@@ -53,19 +53,20 @@ def history_column(config: Config, scene: Scene, quantity: str) -> tuple[str, fl
     known = history_columns(config, scene)
     if quantity in known:
         return quantity, 1.0
-    if isinstance(scene, Channel):
+    if isinstance(scene, Channel) and scene.driven_side is not None and quantity == "speed":
+        return f"wall_velocity_{SIDES[scene.driven_side]}", 1.0
+    if isinstance(scene, Channel) and scene.driven_side is None and quantity == "stress":
         moving = [side for side, wall in zip(SIDES, scene.pair, strict=True) if wall.largest_speed]
-        if scene.driven_side is not None and quantity == "speed":
-            return f"wall_velocity_{SIDES[scene.driven_side]}", 1.0
-        if len(moving) == 1 and quantity == "stress":
+        if len(moving) == 1:
             return f"wall_shear_{moving[0]}", 1.0 if moving == ["top"] else -1.0
     turning = [name for name in ("inner", "outer") if getattr(getattr(scene, name, None), "largest_speed", 0.0)]
     if isinstance(scene, Annulus) and len(turning) == 1 and quantity in ("stress", "torque"):
         area = 2 * math.pi * getattr(scene, f"{turning[0]}_radius") ** 2
         return f"torque_{turning[0]}", -1.0 / area if quantity == "stress" else -1.0
-    similar = {"torque": "torque_inner", "force": "force_outer", "speed": "velocity"}.get(quantity)
-    if similar in known:
-        return similar, -1.0 if quantity == "torque" else 1.0
+    similar = {"torque": ("torque_inner", "torque_outer"), "force": ("force_outer",), "speed": ("velocity",)}
+    for name in similar.get(quantity, ()):
+        if name in known:
+            return name, -1.0 if quantity == "torque" else 1.0
     raise ConfigError(f"{quantity}: the flow of {config.name} has no such reading; it has {', '.join(known) or 'none'}")
 
 

@@ -21,6 +21,7 @@ from typing import Any
 
 from tisph import events
 from tisph.config.loader import Asked, config_file, loaded, override_texts
+from tisph.config.schema import Config
 from tisph.errors import DOUBTFUL, INTERRUPTED, UNREACHED, ConfigError, DivergedError, TisphError
 from tisph.report.drawing_process import apart_from_terminal
 from tisph.results import Results
@@ -245,9 +246,18 @@ class RunEstimate:
     warnings: tuple[str, ...]
     numbers: Mapping[str, Any] = field(repr=False)
     text: str = field(repr=False)
+    config: Config = field(repr=False)
 
     def __str__(self) -> str:
         return self.text
+
+    def picture(self, path: str | PathLike[str]) -> Path:
+        """Draw the config to a PNG file, as ``tisph check --picture``, and return its path."""
+        from tisph import scenes
+        from tisph.report.preview import save_preview
+
+        save_preview(Path(path), self.config, scenes.of(self.config))
+        return Path(path)
 
 
 def check(config: Asked, /, **overrides: Any) -> RunEstimate:
@@ -271,4 +281,5 @@ def check(config: Asked, /, **overrides: Any) -> RunEstimate:
             warnings=tuple(warnings),
             numbers=numbers,
             text="\n".join(described(loaded, numbers, warnings)),
+            config=loaded,
         )

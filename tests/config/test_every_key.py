@@ -53,10 +53,10 @@ PARTNERS = {
     "units.mass": {"output.video.color_by": "pressure"},
     "temperature.unit": {"output.video.color_by": "temperature"},
     "bodies.file.unit": {"bodies.0.file.scale": 0.38},
-    **{f"walls.{side}.file.scale": {"geometry.length": 3.0} for side in ("top", "bottom")},
     **{
-        f"walls.{side}.file.unit": {"geometry.length": 5.08, "discretisation.particles_across": 25}
+        f"walls.{side}.file.{key}": {"geometry.length": length, "discretisation.particles_across": across}
         for side in ("top", "bottom")
+        for key, length, across in (("scale", 3.0, 20), ("unit", 5.08, 25))
     },
 }
 """Key -> other keys, with the values that they need beside it."""

@@ -100,22 +100,39 @@ PRINTED = ("name", "status", "samples", "cost", "error_estimate")
 """Keys of ``summary.json`` that ``--json`` prints."""
 
 
-def check(config: ConfigFile, overrides: Overrides = None) -> None:
+def check(
+    config: ConfigFile,
+    file: Annotated[Path | None, typer.Argument(metavar="[FILE]", help="PNG file of --picture [NAME.png].")] = None,
+    overrides: Overrides = None,
+    picture: Annotated[
+        bool, typer.Option("--picture", help="Draw the config: walls, bodies, ends, particles.")
+    ] = False,
+) -> None:
     """Validate a config; print its numbers and cost.
 
-    Nothing is run and nothing is written.
+    Nothing is run, and nothing is written but the picture.
 
     \b
     Examples:
       tisph check configs/couette.yaml
       tisph check configs/couette.yaml --set discretisation.particles_across=100
+      tisph check configs/cylinder_in_channel.yaml --picture
     """
     from tisph.config import load
     from tisph.schemes._forecast import described, forecast
 
+    if file and not picture:
+        raise ConfigError(f"{file}: one config is checked; a picture of it needs --picture")
     loaded = load(config, overrides or ())
     for line in described(loaded, *forecast(loaded)):
         print(line)
+    if picture:
+        from tisph import scenes
+        from tisph.report.preview import save_preview
+
+        path = file or Path(f"{loaded.name}.png")
+        save_preview(path, loaded, scenes.of(loaded))
+        print(f"  {'picture':22} {path}")
 
 
 def run(

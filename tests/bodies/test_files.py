@@ -14,6 +14,9 @@ from tisph.config import load
 from tisph.errors import ConfigError
 from tisph.geometry.circle import Circle
 from tisph.geometry.drawing import MOST_PATHS, read
+from tisph.geometry.spline import Spline
+from tisph.geometry.tracing import smooth_points
+from tisph.studies import sweep
 
 ezdxf = pytest.importorskip("ezdxf")
 pytest.importorskip("svgpathtools")
@@ -163,6 +166,25 @@ def test_a_body_stays_where_it_is_drawn_or_goes_to_its_centre(body, tmp_path):
         "{type: curve, file: {path: a.csv, scale: 0.01}}"
     ).traced.described("m")
     assert METRES["mm"] == 1e-3
+
+
+def test_a_thin_shape_has_as_many_points_as_it_needs(tmp_path):
+    """Half a ring, 0.04 thick, with round ends: arcs in both directions. A curve that crosses itself is tried again."""
+    corners = [(0.4, 0.0, 0, 0, 1), (-0.4, 0.0, 0, 0, 1), (-0.36, 0.0, 0, 0, -1), (0.36, 0.0, 0, 0, 1)]
+    dxf(tmp_path / "a.dxf", lambda space: space.add_lwpolyline(corners, close=True))
+    path = read(tmp_path / "a.dxf").path(None, closed=True)
+    area = 0.5 * math.pi * (0.4**2 - 0.36**2) + math.pi * 0.02**2
+    assert Spline(smooth_points(path, "closed", None, Spline)).area == pytest.approx(area, rel=1e-4)
+    tried = []
+
+    def shape_of(points):
+        tried.append(len(points))
+        if len(points) < 100:
+            raise ValueError("the curve meets itself")
+        return Spline(points)
+
+    assert len(smooth_points(path, "closed", None, shape_of)) == 256
+    assert tried == [32, 64, 128, 256]
 
 
 def test_a_part_of_a_drawing_is_chosen_by_its_name(body, tmp_path):
@@ -319,6 +341,18 @@ def test_check_says_what_was_read(tmp_path, monkeypatch):
     csv("shape.csv", around(60))
     text = str(tisph.check(parse(CASE).data))
     assert "bodies.0.file          shape.csv: 60 points; smallest radius 0.25 m; at most " in text
+
+
+def test_a_study_may_have_a_base_with_a_file(tmp_path):
+    """Which is in the folder of the study."""
+    csv(tmp_path / "shape.csv", around(60))
+    base = "".join(f"  {line}\n" for line in CASE.splitlines())
+    scales = "vary: {bodies.0.file.scale: [0.9, 1.0]}\n"
+    text = base.replace("file: shape.csv", "centre: [0.5, 0.5], file: {path: shape.csv}")
+    (tmp_path / "study.yaml").write_text(f"{scales}collect: [drag]\nbase:\n{text}")
+    cases = sweep.read(tmp_path / "study.yaml").cases
+    points = [np.array(case.config["bodies"][0]["points"]) for case in cases]
+    assert points[0] == pytest.approx(0.9 * points[1], abs=1e-12)
 
 
 def test_rows_of_numbers_need_no_further_package(tmp_path):

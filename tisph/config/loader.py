@@ -208,7 +208,7 @@ def config_file(config: Asked) -> Iterator[str]:
         path = Path(folder) / "run.yaml"
         resolved = getattr(config, "resolved_yaml", None)
         if not resolved:
-            _copy_shapes(config, Path(folder))
+            copy_shapes(config, Path.cwd(), Path(folder))
         path.write_text(resolved() if resolved else json.dumps(_plain(config)), encoding="utf-8")
         try:
             yield str(path)
@@ -216,13 +216,13 @@ def config_file(config: Asked) -> Iterator[str]:
             raise type(error)(re.sub(rf"{re.escape(str(path))}(:\d+)?", "config", str(error))) from None
 
 
-def _copy_shapes(data: Any, folder: Path) -> None:
-    """Copy the files of shapes in a dict, which are in the current folder, to the ``folder`` of its YAML file."""
+def copy_shapes(data: Any, here: Path, folder: Path) -> None:
+    """Copy the files of shapes in the raw data of a config, which are ``here``, to the ``folder`` of its YAML file."""
     for value in data.values() if isinstance(data, Mapping) else data if isinstance(data, list | tuple) else ():
-        _copy_shapes(value, folder)
+        copy_shapes(value, here, folder)
     given = data.get("file") if isinstance(data, Mapping) else None
     name = given.get("path") if isinstance(given, Mapping) else given
-    here = Path.cwd().resolve()
+    here = here.resolve()
     if isinstance(name, str) and (source := here / name).is_file() and here in source.resolve().parents:
         target = folder / source.resolve().relative_to(here)
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -445,8 +445,7 @@ def _entity(entity: Any) -> Iterator[Piece]:
         yield Piece(np.array([entity.dxf.start, entity.dxf.end])[:, :2])
     elif kind in ("LWPOLYLINE", "POLYLINE"):
         if kind == "LWPOLYLINE" or entity.is_2d_polyline or entity.is_3d_polyline:
-            for each in entity.virtual_entities():
-                yield from _entity(each)
+            yield from _in_order([piece for each in entity.virtual_entities() for piece in _entity(each)])
     elif kind in ("ARC", "CIRCLE"):
         yield _curved(entity.flattening(SAGITTA * entity.dxf.radius))
     elif kind == "ELLIPSE":
@@ -455,6 +454,25 @@ def _entity(entity: Any) -> Iterator[Piece]:
         tool = entity.construction_tool()
         size = float(np.linalg.norm(np.ptp(np.array([tuple(each) for each in tool.control_points]), axis=0)))
         yield _curved(tool.flattening(SAGITTA * size, segments=16))
+
+
+def _in_order(pieces: Sequence[Piece]) -> Iterator[Piece]:
+    """Yield the pieces of a polyline, those reversed that are arcs clockwise: each begins where the last one ends."""
+
+    def apart(one: np.ndarray, other: np.ndarray) -> float:
+        return float(np.abs(one - other).sum())
+
+    end: Any = None
+    for piece, after in zip(pieces, [*pieces[1:], None], strict=True):
+        first, last = piece.places[0], piece.places[-1]
+        if end is not None:
+            backwards = apart(last, end) < apart(first, end)
+        else:  # the first one ends where the next one has an end
+            ends = after.places[[0, -1]] if after else [last]
+            backwards = min(apart(first, each) for each in ends) < min(apart(last, each) for each in ends)
+        piece = Piece(piece.places[::-1], piece.straight) if backwards else piece
+        end = piece.places[-1]
+        yield piece
 
 
 def _curved(vertices: Any) -> Piece:

@@ -63,7 +63,13 @@ def smooth_points(
         _check_turns(path, LARGEST_KINK)
     for count in COUNTS:
         points = evenly_chosen(places, count, closed)
-        if deviation(shape_of(points), places) <= CLOSE * path.size:
+        try:
+            shape = shape_of(points)
+        except ValueError:  # few points of a thin shape make a curve that crosses itself
+            if count == COUNTS[-1]:
+                raise
+            continue
+        if deviation(shape, places) <= CLOSE * path.size:
             break
     return points
 

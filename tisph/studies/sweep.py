@@ -43,7 +43,7 @@ from rich.console import Console
 from tisph import scenes
 from tisph.config import load
 from tisph.config.fields import nearest
-from tisph.config.loader import override_texts
+from tisph.config.loader import copy_shapes, override_texts
 from tisph.config.schema import Config
 from tisph.config.yaml_text import dump
 from tisph.errors import ConfigError
@@ -132,6 +132,7 @@ def read(path: str | Path) -> Study:
         if isinstance(data["base"], dict):
             base = Path(scratch) / f"{path.stem}.yaml"
             base.write_text(dump(data["base"]), encoding="utf-8")
+            copy_shapes(data["base"], path.parent, Path(scratch))
         else:
             beside = path.parent / str(data["base"])
             base = beside if beside.is_file() else Path(str(data["base"]))

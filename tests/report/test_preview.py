@@ -69,6 +69,11 @@ def test_a_wall_that_oscillates_has_arrows_both_ways():
     assert "±0.5 cm/s" in words(drawn("oscillating_wall_fast", COARSE))
 
 
+@pytest.mark.parametrize(("name", "unit"), [("stopped_wall", "cm/s"), ("circular_couette_stopped", "rad/s")])
+def test_a_wall_that_has_stopped_says_how_it_moved(name, unit):
+    assert any(text.endswith(f"{unit} before t = 0") for text in words(drawn(name, COARSE)))
+
+
 def test_an_inlet_has_its_profile_and_an_outlet_its_name():
     figure = drawn("backward_step", COARSE)
     profile = arrows(figure)[:, 0]

@@ -212,6 +212,10 @@ class _Picture:
                 size = [(turning, f"rad/{self.units.time}")] if turning and not along else []
                 size = size or [(largest, unit_label("velocity", self.units))]
                 words += [f"{'±' * bool(back)}{number(each)} {unit}" for each, unit in size]
+            rates = unit_label("velocity", self.units), f"rad/{self.units.time}"
+            for component, unit in zip((part.motion.x, part.motion.rotation), rates, strict=True):
+                if (before := getattr(component, "before", None)) is not None:
+                    words.append(f"{number(before)} {unit} before t = 0")
         if part.spin.largest_speed:
             words.append(f"turns, {number(part.spin.largest_speed)} rad/{self.units.time}")
         wall = self._given(key)

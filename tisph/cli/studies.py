@@ -162,7 +162,8 @@ def sweep(
 
 def fit(
     data: Annotated[
-        list[Path], typer.Argument(metavar="DATA...", help="Velocities (as for compare), or columns of a rheometer.")
+        list[Path],
+        typer.Argument(metavar="DATA...", help="Velocities (as for compare, also a run), or columns of a rheometer."),
     ],
     config: Annotated[str, typer.Option("--config", metavar="CONFIG", help="YAML file of the flow and its fluid.")],
     free: Annotated[
@@ -213,9 +214,11 @@ def fit(
     """
     from tisph import runtime
     from tisph.assessment.judge import Question
+    from tisph.folder import Folder
     from tisph.studies import fit as fits
 
     question = Question(time or (), columns or (), unit or ())
+    data = [Folder(each).samples if each.is_dir() else each for each in data]
     say = (lambda *words, **options: None) if as_json else print
     count = processes or runtime.available_threads()
     found, folder = fits.fit(config, data, free, law or (), sigma, question, overrides or (), out, count, say)

@@ -39,13 +39,13 @@ MOVIES = {
     "oldroyd_b_couette": (0.7, ["output.video.style=field"]),  # the shear wave has just crossed the gap
     "taylor_green": (0.5, []),
     "circular_couette": (0.1, []),  # the outer cylinder begins to feel it
-    "cylinder_in_channel": (29.0, ["output.video.overlay=streamlines"]),
+    "cylinder_in_channel": (29.0, []),
     "eccentric_annulus": (25.0, DYED),
     "drafting_kissing_tumbling": (13.0, []),  # they tumble
     "suspension": (6.5, []),
     "taylor_vortices": (0.8, []),  # they have saturated
     "falling_ball": (7.0, []),  # it falls at its final velocity, and is on its way
-    "cavity": (3.5, [*DYED, "discretisation.particles_across=64", "time.end=6.0"]),
+    "cavity": (3.5, ["discretisation.particles_across=64"]),
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""
 

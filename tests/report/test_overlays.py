@@ -123,6 +123,7 @@ def box(**changes):
         "periodic": (True, False),
         "walls": (),
         "bodies": (),
+        "start_time": 0.0,
         "spacing": 0.05,
         **changes,
     }

@@ -305,9 +305,13 @@ class Turning:
 
     def paint(self, panel: np.ndarray, snapshot: Snapshot) -> None:
         """Lay the words of ``snapshot`` over the ``panel`` of the box, RGB of uint8 (rows, columns, 3)."""
-        for index, (_, (column, row), _) in enumerate(self._walls):
+        for index, (body, (column, row), _) in enumerate(self._walls):
+            upright = not body.shape.area and np.ptp(body.shape.extent[:, 0]) < np.ptp(body.shape.extent[:, 1])
             words, size = self.words(index, snapshot.t), self._layout.pixels(15)
-            paint_note(panel, column, row, words, size, self._layout.theme.text)
+            if upright:
+                paint_note(np.rot90(panel, -1), len(panel) - row, column, words, size, self._layout.theme.text)
+            else:
+                paint_note(panel, column, row, words, size, self._layout.theme.text)
 
 
 _TOWARDS, _AWAY = "⊙", "⊗"
@@ -488,7 +492,7 @@ class Streamlines:
         """Return the values of psi that have lines, in ascending order."""
         first, last = np.array(stream.ends) / self.step - 0.5
         levels = (np.arange(math.ceil(first), math.floor(last) + 1) + 0.5) * self.step
-        if self.eddy_step <= _LEAST_EDDY * _LINES / _IN_EDDY * self.step:
+        if self.eddy_step <= _LEAST_EDDY * _LINES / _IN_EDDY * self.step or not stream.eddies.any():
             return levels
         counts = [int(beyond / self.eddy_step + 0.5) for beyond in stream.eddies]
         below, above = (stream.beside + (np.arange(count) + 0.5) * self.eddy_step for count in counts)
@@ -508,7 +512,8 @@ class Streamlines:
         psi = self._stream_function(flow)
         least, largest = self._at_walls(psi, snapshot)
         psi -= 0.5 * (least + largest)
-        within, beside = psi[depth >= 0.0], 0.5 * (largest - least)
+        within = psi[depth >= 0.0]
+        beside = 0.5 * (largest - least) if snapshot.t > self._scene.start_time else 0.0  # velocities jump at the start
         stream = StreamFunction(np.where(self._wet, psi, np.nan), (float(within.min()), float(within.max())), beside)
         self.step = max(self.step, float(np.ptp(within)) / _LINES)
         self.eddy_step = max(self.eddy_step, float(stream.eddies.max()) / _IN_EDDY)

@@ -78,7 +78,7 @@ class TimePanel:
         times, seen = self.history(t)
         panel = picture[self._layout.series.inner.slices]
         self._mark_event(picture, times, seen)
-        if not np.isfinite(seen).any():
+        if self.exact is None and not np.isfinite(seen).any():
             paint_text(
                 picture, self._layout.series, "none yet", self._layout.pixels(14), "middle", self._layout.theme.muted
             )

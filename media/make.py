@@ -49,8 +49,8 @@ MOVIES = {
 }
 """Configs, the t* of each preview (the first frame after it), and what is set."""
 
-MOVING = "cavity"
-"""The movie on the first page of the documentation, also as GIF."""
+MOVING, SECONDS = "cavity", 4.0
+"""The movie on the first page of the documentation, whose first seconds are also a GIF: the dye is not yet mixed."""
 
 
 def make(name, preview_t_star, changes):
@@ -60,7 +60,7 @@ def make(name, preview_t_star, changes):
     subprocess.run([*command, "--overwrite", *(word for text in changes for word in ("--set", text))], check=True)
     shutil.copyfile(folder / "movie.mp4", MEDIA / f"{name}.mp4")
     if name == MOVING:
-        write_gif(folder / "movie.mp4", MEDIA / f"{name}.gif")
+        write_gif(folder / "movie.mp4", MEDIA / f"{name}.gif", SECONDS)
     scene = scenes.of(config.load(folder / "config.resolved.yaml"))
     times = [frame.t / scene.time_scale for frame in read_frames(folder / "frames.h5")]
     reel = imageio_ffmpeg.read_frames(str(folder / "movie.mp4"))

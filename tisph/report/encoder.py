@@ -28,9 +28,11 @@ _FILTERS = (
 )
 
 
-def write_gif(movie: Path, path: Path) -> None:
-    """Write the ``movie`` as GIF to ``path``; TisphError where ffmpeg cannot."""
-    command = [get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", f"file:{movie}", "-vf", _FILTERS, "-f", "gif"]
+def write_gif(movie: Path, path: Path, seconds: float | None = None) -> None:
+    """Write the ``movie``, or its first ``seconds``, as GIF to ``path``; TisphError where ffmpeg cannot."""
+    part = [] if seconds is None else ["-t", str(seconds)]
+    source = [*part, "-i", f"file:{movie}"]
+    command = [get_ffmpeg_exe(), "-y", "-loglevel", "error", *source, "-vf", _FILTERS, "-f", "gif"]
     with replaced(path) as new:
         try:
             done = subprocess.run([*command, f"file:{new}"], capture_output=True, stdin=subprocess.DEVNULL)

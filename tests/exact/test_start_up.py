@@ -238,6 +238,42 @@ CYLINDERS = [
 ]
 
 
+RAMPS = Schedule((0.0, 0.3, 0.5), (1.0, 2.0, -1.0))
+STEPS = Schedule((0.0, 0.2, 0.2, 0.5, 0.5), (1.0, 1.0, -2.0, -2.0, 0.5))
+
+
+@pytest.mark.parametrize(
+    "fluid",
+    [
+        liquid("oldroyd_b", 0.3),
+        liquid("giesekus", 0.5),
+        viscous("power_law", index=0.7, reference_rate=1.0, least_rate=0.1),
+    ],
+)
+def test_a_drive_with_steps_is_a_frame_that_accelerates(fluid):
+    """In the frame of the velocity V = integral of g the walls move at -V, with kinks where g has steps."""
+    kinks = np.array([0.0, 0.2, 0.5, 2.0])
+    speeds = np.array([float(STEPS.displacement(t)) for t in kinks])
+    wall = Schedule(tuple(kinks), tuple(-speeds))
+    driven, moved = StartUp(fluid, Flow(1.0, pulsation=STEPS)), StartUp(fluid, Flow(1.0, wall, wall))
+    for t in (0.1, 0.3, 0.9):
+        expected = moved.velocity(HEIGHTS, t) + STEPS.displacement(t)
+        assert apart(driven.velocity(HEIGHTS, t), expected) < 2e-6  # what the module promises of inelastic fluids
+
+
+def test_a_drive_with_ramps_is_a_sum_of_starts():
+    """Linear fluids: the flow is the start under the first value, and those under all later changes dg."""
+    fluid, plane = liquid("oldroyd_b", 0.3), Plane(1.0, 1.0, 0.3, 1.0)
+    found = StartUp(fluid, Flow(1.0, acceleration=0.5, pulsation=RAMPS)).velocity(HEIGHTS, 0.7)
+    expected = plane.fields(HEIGHTS, 0.7, 0.0, 0.0, 1.5)[0]
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    for begin, end, slope in ((0.0, 0.3, 1.0 / 0.3), (0.3, 0.5, -3.0 / 0.2)):
+        half = 0.5 * (end - begin)
+        for node, weight in zip(begin + half * (nodes + 1.0), half * weights, strict=True):
+            expected = expected + weight * slope * plane.fields(HEIGHTS, 0.7 - node, 0.0, 0.0, 1.0)[0]
+    assert apart(found, expected) < 1e-7
+
+
 @pytest.mark.parametrize(("inner", "outer"), CYLINDERS, ids=["stop", "oscillation"])
 def test_cylinders(inner, outer):
     before = tuple(Wall(wall.before or 0.0) for wall in (inner, outer))

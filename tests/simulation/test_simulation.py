@@ -246,7 +246,10 @@ def test_a_changed_wall_has_its_reference_and_is_resumed_bitwise(tmp_path):
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("walls.top.velocty", "must be one of walls.bottom.velocity, walls.top.velocity; nearest: walls.top.velocity"),
+        (
+            "walls.top.velocty",
+            "must be one of walls.bottom.velocity, walls.top.velocity, drive.acceleration; nearest: walls.top.velocity",
+        ),
         ("fluid.density", "fluid.density cannot be changed in a run; must be one of walls.bottom.velocity"),
     ],
 )
@@ -266,6 +269,43 @@ def test_a_repeated_change_keeps_the_earlier_ones():
     plate = loaded({**CASE, "walls": {"top": {"shear_stress": 1.0, "mass_per_area": 2.0}}}, {})
     top = changed(plate, "walls.top.shear_stress", 3.0, 0.2).walls.top
     assert (top.times, top.stresses, top.mass_per_area) == ((0.0, 0.2), (1.0, 3.0), 2.0)
+
+
+THICK = {"density": 1.0, "kinematic_viscosity": 0.1}
+OLDROYD_B = {"type": "oldroyd_b", "relaxation_time": 0.5, "solvent_fraction": 0.5}
+PIPE = {"scene": "pipe", "geometry": {"radius": 1.0, "length": 1.5}, "drive": {"acceleration": 1.0}}
+STREAM = {
+    "scene": "channel",
+    "geometry": {"gap": 1.0, "length": 1.5},
+    "ends": {"left": {"type": "inlet", "velocity": 1.0}, "right": {"type": "outlet"}},
+}
+
+
+@pytest.mark.parametrize(
+    ("case", "key", "over"),
+    [
+        ({**CASE, "fluid": THICK}, "drive.acceleration", 0.0),
+        ({**CASE, "fluid": {**THICK, "rheology": OLDROYD_B}}, "drive.acceleration", 0.1),
+        (PIPE, "drive.acceleration", 0.0),
+        (STREAM, "ends.left.velocity", 0.1),
+    ],
+)
+def test_a_changed_drive_or_inflow_is_resumed_bitwise(tmp_path, case, key, over):
+    small = {"fluid": THICK, **case, "discretisation": {"particles_across": 12}, "time": {"end": 0.4}}
+    with tisph.Simulation(small) as sim:
+        sim.run_until(0.1)
+        sim.set(key, 2.0, over)
+        begun = sim.time
+        sim.run_until(0.25)
+        sim.save(tmp_path / "checkpoint.h5")
+        end = sim.run_until(0.4)
+        section = sim.config.drive if case is not STREAM else sim.config.ends.left
+    values = section.velocities if case is STREAM else section.accelerations
+    assert (section.times, values[1:]) == ((0.0, begun, begun + over), (values[0], 2.0))
+    with tisph.Simulation.restore(tmp_path / "checkpoint.h5") as again:
+        assert np.array_equal(again.run_until(0.4).u, end.u)
+    if case is not STREAM:
+        assert end.l2 < 1e-2  # with 12 particles across; without the change a large part of the velocity is missing
 
 
 CIRCLE = {
@@ -329,3 +369,34 @@ def test_a_body_force_on_a_wall_is_refused_by_wcsph():
         tisph.Simulation({**CHANNEL, "reference": {"velocity": 0.1}}, body_force=lambda x, y, t: (1.0, 0.0)) as sim,
     ):
         sim.step()
+
+
+def test_a_changed_body_force_acts_from_then_on():
+    still = {
+        **CIRCLE,
+        "walls": {"around": {**CIRCLE["walls"]["around"], "motion": "fixed"}},
+        "reference": {"velocity": 1.0},
+    }
+    with tisph.Simulation(still, body_force=lambda x, y, t: (0.0, 0.0)) as sim:
+        sim.step()
+        assert np.abs(sim.state.u).max() < 1e-12
+        with pytest.raises(ConfigError, match="body_force needs a function"):
+            sim.set("body_force", 1.0)
+        with pytest.raises(ConfigError, match="must be a number"):
+            sim.set("drive.acceleration", turning)
+        sim.set("body_force", turning)
+        assert np.abs(sim.run_until(0.05).u).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("case", "key", "words"),
+    [
+        (STREAM, "ends.left.velocity", "give a short ramp"),
+        ({**PIPE, "drive": {"amplitude": 1.0, "angular_frequency": 2.0}}, "drive.acceleration", "cannot be changed"),
+        (STREAM, "drive.acceleration", "must be left out"),
+    ],
+)
+def test_a_change_that_the_flow_cannot_take_is_refused(case, key, words):
+    config = loaded({"fluid": CASE["fluid"], **case, "time": {"end": 1.0}}, {})
+    with pytest.raises(ConfigError, match=words):
+        changed(config, key, 2.0, 0.2)

@@ -135,7 +135,8 @@ class Flow:
     ``inner_radius``: radius of the cylinder y = 0; None between planes; 0 if y = 0 is the axis, and ``bottom`` has no
     effect. Cylinders have angular velocities, or, in flow ``along`` the axis, velocities.
 
-    g = ``acceleration`` + cosine cos(w t) + sine sin(w t), w = angular_frequency > 0, all attributes of ``pulsation``.
+    g = ``acceleration`` + cosine cos(w t) + sine sin(w t), w = angular_frequency > 0, all attributes of ``pulsation``;
+    or ``acceleration`` + the values at times of a ``geometry.motion.Schedule`` as ``pulsation``.
     """
 
     gap: float
@@ -156,7 +157,21 @@ class Flow:
         part, found = self.pulsation, abs(self.acceleration) * viscous_time / 12
         if part is None:
             return found
-        return found + np.hypot(part.cosine, part.sine) * min(viscous_time / 12, 1 / part.angular_frequency)
+        longest = min(viscous_time / 12, 1 / part.angular_frequency) if part.angular_frequency else viscous_time / 12
+        return found + np.hypot(part.cosine, part.sine) * longest
+
+    def drive_from(self, begin: float) -> Callable:
+        """Return g as a function of times since ``begin``, continued beyond its next jump."""
+        part = self.pulsation
+        if part is None or part.angular_frequency:
+            return lambda times: self.drive(begin + times)
+        ramp = part.after(begin)
+        return lambda times: self.acceleration + ramp.velocity(begin + times)
+
+    @property
+    def jump_times(self) -> tuple[float, ...]:
+        """Times at which g, or its slope, jumps."""
+        return getattr(self.pulsation, "jump_times", ())
 
     def drive(self, times: np.ndarray) -> np.ndarray:
         """Return the acceleration g at ``times``."""
@@ -262,7 +277,7 @@ class StartUp:
             start = _developed(fluid, before, order, edges)
             jumps = [(new - old) * own for new, old, own in zip(jumps, start[self._ends], given, strict=True)]
         driven = flow.largest_drive(flow.gap**2 / fluid.total_viscosity)
-        self.begins = sorted({0.0, *(time for wall in walls for time in wall.jump_times)})
+        self.begins = sorted({0.0, *flow.jump_times, *(time for wall in walls for time in wall.jump_times)})
         self._jumps = [(0.0, *jumps), *((time, *(jump(wall, time) for wall in walls)) for time in self.begins[1:])]
         sizes = [*np.ravel([both for _, *both in self._jumps]), *([] if start is None else start[self._ends])]
         self.speed = max(1e-200, driven, *np.abs(sizes))
@@ -293,9 +308,9 @@ class StartUp:
             _at_speed(wall, 0.0) if self._has_periodic_part(wall) else ShiftedWall(wall.after(begin), begin)
             for wall in self.flow.walls
         ]
-        flow = replace(self.flow, pulsation=None) if _newtonian(self.fluid) else self.flow
+        flow = replace(self.flow, pulsation=None) if self._has_periodic_drive else self.flow
         layer = self.layer.later(begin)
-        return Equations(self.elements, self.fluid, walls, lambda t: flow.drive(begin + t), layer, self.speed)
+        return Equations(self.elements, self.fluid, walls, flow.drive_from(begin), layer, self.speed)
 
     def _solution(self, equations: Equations, start: np.ndarray, jumps: Any) -> RadauSolution:
         first = 1e-3 * self.flow.gap / np.sqrt(self.fluid.total_viscosity)
@@ -319,6 +334,11 @@ class StartUp:
         given = not wall.stress_controlled or isinstance(wall, SlippingWall)
         return _newtonian(self.fluid) and given and wall.angular_frequency != 0.0
 
+    @property
+    def _has_periodic_drive(self) -> bool:
+        """Whether the periodic flow of an oscillating g is added to the solution, which is linear."""
+        return _newtonian(self.fluid) and bool(self.flow.pulsation and self.flow.pulsation.angular_frequency)
+
     def _periodic_parts(self) -> Iterator[tuple[float, np.ndarray]]:
         """Yield angular frequency and complex amplitude (size,) of the periodic flows of oscillating walls and of g.
 
@@ -326,7 +346,7 @@ class StartUp:
         """
         pairs = zip(self._ends, self.flow.walls, strict=True)
         parts: list[Any] = [(node, wall) for node, wall in pairs if self._has_periodic_part(wall)]
-        if self.flow.pulsation and _newtonian(self.fluid):
+        if self._has_periodic_drive:
             parts.append((None, self.flow.pulsation))
         for node, of in parts:
             frequency = of.angular_frequency

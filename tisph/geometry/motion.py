@@ -320,6 +320,49 @@ class Schedule:
 
 
 @dataclass(frozen=True)
+class Drive:
+    """Body acceleration g(t) [length/time^2]: ``constant``, plus ``pulsation``, in the place of a velocity.
+
+    ``pulsation`` is an oscillating ``WallMotion``, a ``Schedule``, or None.
+    """
+
+    constant: float
+    pulsation: Any = None
+
+    @property
+    def varies(self) -> bool:
+        """Whether g depends on time."""
+        return self.pulsation is not None
+
+    @property
+    def jump_times(self) -> tuple[float, ...]:
+        """Times above 0 at which g, or its slope, jumps."""
+        return self.pulsation.jump_times if self.pulsation else ()
+
+    def value(self, t: float) -> float:
+        """Return g at time ``t``."""
+        return self.constant + float(self.pulsation.velocity(t)) if self.pulsation else self.constant
+
+    def slope(self, t: float) -> float:
+        """Return dg/dt at time ``t``, without jumps."""
+        return float(self.pulsation.acceleration(t)) if self.pulsation else 0.0
+
+    def gained(self, begin: float, end: float) -> float:
+        """Return the integral of g [length/time] from the time ``begin`` to ``end``."""
+        more = self.pulsation.displacement(end) - self.pulsation.displacement(begin) if self.pulsation else 0.0
+        return self.constant * (end - begin) + float(more)
+
+    def jump(self, time: float) -> float:
+        """Return the jump of g at a ``time`` above 0."""
+        points = self.pulsation.breakpoints if self.pulsation else ()
+        return next((jump for when, jump, _ in points if when == time), 0.0)
+
+    def after(self, time: float) -> "Drive":
+        """Return g from ``time`` on, continued beyond its next jump."""
+        return Drive(self.constant, self.pulsation.after(time)) if self.pulsation else self
+
+
+@dataclass(frozen=True)
 class SmoothSchedule:
     """Velocity from t = 0 on: ``velocities`` [length/time] at ``times``, a cubic spline in between.
 

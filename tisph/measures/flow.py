@@ -16,6 +16,7 @@ import numpy as np
 from tisph.exact._fluids import Rheology, derivative, fluid_of
 from tisph.geometry.body import Body
 from tisph.geometry.circle import Circle
+from tisph.geometry.motion import Drive
 from tisph.geometry.outline import EndToEnd
 from tisph.geometry.wanted_spacing import GROWTH, Source, WantedSpacing
 from tisph.measures.substance import TEMPERATURE, Substance
@@ -67,7 +68,10 @@ class FlowDefaults:
     """Speed of shear waves in the polymer [length/time]."""
 
     acceleration: float = 0.0
-    """Body acceleration along x."""
+    """Body acceleration along x; of a drive that varies its constant part."""
+
+    pulsation: Any = None
+    """Part of the body acceleration along x that oscillates or is given at times (``geometry.motion``), or None."""
 
     kept_mean_velocity: float | None = None
     """Mean velocity along x that a pressure gradient maintains; None where the acceleration is given."""
@@ -174,6 +178,23 @@ class FlowInBox(FlowDefaults):
     def wanted_spacing(self) -> WantedSpacing:
         """The particle spacing that is wanted at each place."""
         return WantedSpacing(self.spacing, self.spacing_sources, self.growth)
+
+    @property
+    def drive(self) -> Drive:
+        """The body acceleration along x."""
+        return Drive(self.acceleration, self.pulsation)
+
+    def pulsating_velocity(self, square: float, inviscid: float = 1.0) -> float:
+        """Return the largest velocity that the part g of the drive that varies may cause; 0 without one.
+
+        It is g times ``square`` [length^2] over the viscosity in slow flow, and at most ``inviscid`` g / angular
+        frequency where g oscillates.
+        """
+        if self.pulsation is None:
+            return 0.0
+        strength, frequency = self.pulsation.largest_speed, self.pulsation.angular_frequency
+        slow = strength * square / self.kinematic_viscosity
+        return float(min(slow, inviscid * strength / frequency) if frequency else slow)
 
     @property
     def polymer(self) -> PolymerParameters | None:
@@ -301,7 +322,7 @@ class FlowInBox(FlowDefaults):
     @property
     def driven_periodically(self) -> bool:
         """Whether a wall, a body or an inlet oscillates, or the drive."""
-        moving: list[Any] = [getattr(self, "pulsation", None), *(wall for _, wall in self.walls)]
+        moving: list[Any] = [self.pulsation, *(wall for _, wall in self.walls)]
         for body in self.bodies:
             motion = getattr(body, "motion", None)
             moving += [getattr(motion, part, None) for part in ("x", "y", "rotation")]

@@ -74,14 +74,15 @@ class ChannelDomain:
     """Plane channel 0 <= y <= height, periodic in x over ``length``, with walls moving along x.
 
     ``has_body_force`` and ``oscillates``: whether there are a body acceleration and wall accelerations; without them
-    there are no fields of them. ``move_on(time)`` sets the wall velocities. ``columns``: number of particle spacings
-    in the length; no kernel may read it, since it would be compiled in.
+    there are no fields of them. ``move_on(time)`` sets velocities and accelerations. ``columns``: number of
+    particle spacings in the length; no kernel may read it, since it would be compiled in.
     """
 
     periodic_y = False
 
     def __init__(self, channel: "Channel"):
-        self.has_body_force = channel.acceleration != 0.0
+        self.drive = channel.drive
+        self.has_body_force = channel.acceleration != 0.0 or self.drive.varies
         bottom: Any = channel.bottom
         top: Any = channel.top
         self.motions = bottom, top
@@ -93,13 +94,15 @@ class ChannelDomain:
             scalar(0.0 if wall.stress_controlled else wall.velocity(channel.start_time)) for wall in self.motions
         )
         if self.has_body_force:
-            self.acceleration = scalar(channel.acceleration)
+            self.acceleration = scalar(self.drive.value(channel.start_time))
         if self.oscillates:
             self.bottom_acceleration = scalar(bottom.acceleration(channel.start_time))
             self.top_acceleration = scalar(top.acceleration(channel.start_time))
 
     def move_on(self, time: float) -> None:
-        """Set the wall velocities and accelerations at ``time``."""
+        """Set the wall velocities and accelerations, and the body acceleration, at ``time``."""
+        if self.drive.varies:
+            view(self.acceleration)[()] = self.drive.value(time)
         if self.oscillates:
             bottom, top = self.motions
             view(self.bottom_velocity)[()] = bottom.velocity(time)

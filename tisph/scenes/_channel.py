@@ -94,6 +94,7 @@ class Channel(ChannelFlow, Scene):
 
     initial_state: str
     start_time: float
+    pulsation: WallMotion | Schedule | None = None
 
     periodic = (True, False)
     parallel = True
@@ -110,7 +111,7 @@ class Channel(ChannelFlow, Scene):
             length=config.geometry.length,
             bottom=wall_of(config.walls.bottom),
             top=wall_of(config.walls.top),
-            acceleration=config.drive.acceleration,
+            **config.drive.parts,
             polymer=PolymerParameters.of(config.fluid.polymer),
             slip_lengths=(bottom, top),
             initial_state=config.initial.state,
@@ -160,7 +161,7 @@ class Channel(ChannelFlow, Scene):
     def _heated_flow(self) -> HeatedStartUp | None:
         """Velocity and temperature of a Newtonian fluid at rest at first, where walls have constant conditions."""
         heat, rest = self.temperature, self.initial_state == "rest" and self.start_time == 0.0
-        plain = self.rheology is None and not self.seeks_wall_velocity
+        plain = self.rheology is None and not self.seeks_wall_velocity and not self.pulsation
         if heat is None or not (rest and plain and self.inertia):
             return None
         formulas = [heat.initial, *(condition.value or condition.flux for condition in heat.conditions)]
@@ -211,7 +212,8 @@ class Channel(ChannelFlow, Scene):
         Slip makes it faster by the factor 12/(1/(1/2 + b_0/gap) + 1/(1/2 + b_1/gap)) - 2 of the slip lengths b.
         """
         mean = abs(self.acceleration) * self.gap**2 / (12 * self.kinematic_viscosity)
-        return max(self.wall_speed, mean * self._slip_factor)
+        mean = mean * self._slip_factor + self.pulsating_velocity(self.gap**2 / 12 * self._slip_factor)
+        return max(self.wall_speed, mean)
 
     @property
     def _slip_factor(self) -> float:
@@ -220,9 +222,13 @@ class Channel(ChannelFlow, Scene):
 
     @property
     def peak_velocity(self) -> float:
-        """Bound of the developed flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu), or a given velocity."""
+        """Bound of the flow's speed: ``wall_speed`` + |acceleration| gap^2 / (8 nu), or a given velocity.
+
+        An acceleration that oscillates from t = 0 on adds at most twice its amplitude over its angular frequency.
+        """
         driven = abs(self.acceleration) * self.gap**2 / (8 * self.kinematic_viscosity)
         developed = self.wall_speed + driven * self._slip_factor
+        developed += self.pulsating_velocity(self.gap**2 / 8 * self._slip_factor, inviscid=2.0)
         return max(developed, self.given_velocity or 0.0)
 
     @property
@@ -246,7 +252,7 @@ class Channel(ChannelFlow, Scene):
 
         This depends on the flow alone, not on the length of a run: the same flow has the same error measure everywhere.
         """
-        if any(wall.oscillates or wall.stress_controlled for wall in self.pair):
+        if self.pulsation or any(wall.oscillates or wall.stress_controlled for wall in self.pair):
             return True
         slowest = max(self.viscous_time, self.polymer.relaxation_time if self.polymer else 0.0)
         # The slowest mode decays as exp(-pi^2 t*): at t* = 3 nothing of a start is left.
@@ -284,7 +290,7 @@ class Channel(ChannelFlow, Scene):
 
         The developed flow of an oscillating wall is known only for a Newtonian fluid.
         """
-        known = self.rheology is None or not any(wall.oscillates for wall in self.pair)
+        known = self.rheology is None or not (self.pulsation or any(wall.oscillates for wall in self.pair))
         return self.linear and known and not self.seeks_wall_velocity
 
     def in_flow_frame(self) -> "Channel":
@@ -329,6 +335,9 @@ class Channel(ChannelFlow, Scene):
             if wall.oscillates:
                 half = 0.5 * wall.penetration_depth(self.kinematic_viscosity)
                 layers.append((half, f"the layer at the oscillating {name} wall"))
+        if self.pulsation:
+            half = 0.5 * self.pulsation.penetration_depth(self.kinematic_viscosity)
+            layers.append((half, "the layer at the walls of a flow that oscillates"))
         return min(layers, default=(math.inf, ""))
 
     def _age(self, wall: Any, t: float) -> float:
@@ -337,6 +346,8 @@ class Channel(ChannelFlow, Scene):
             return t if wall.before is not None and wall.before != wall.cosine else math.inf
         still = not (wall.oscillates or wall.stress_controlled or wall.cosine)
         found = math.inf if still else age(wall, t)
+        if self.pulsation:
+            found = min(found, age(self.pulsation, t))
         return min(found, t) if self.acceleration else found
 
     # Exact solution ---------------------------------------------------------------------------------------------------
@@ -345,14 +356,14 @@ class Channel(ChannelFlow, Scene):
     def _flow(self) -> StartUp:
         """The exact flow from rest, or from the flow that had developed before t = 0."""
         bottom, top = self.reference_walls
-        flow, before = Flow(self.gap, bottom, top, self.acceleration), None
+        flow, before = Flow(self.gap, bottom, top, self.acceleration, pulsation=self.pulsation), None
         if self.starts_developed:
             walls = (
                 wall if wall.oscillates else Wall(wall.cosine if wall.before is None else wall.before)
                 for wall in self.pair
             )
             bottom, top = (self._slipping(*each) for each in zip(walls, self.slip_lengths, strict=True))
-            before = Flow(self.gap, bottom, top, self.acceleration)
+            before = Flow(self.gap, bottom, top, self.acceleration, pulsation=self.pulsation)
         return _solved(self.rheology, self.kinematic_viscosity, self.density, flow, before)
 
     def exact(self, field: str, x: Any, y: Any, t: Any) -> np.ndarray:
@@ -398,7 +409,7 @@ class Channel(ChannelFlow, Scene):
         velocities.
         """
         drive = self.acceleration
-        if self.driven_side is not None:
+        if self.driven_side is not None or self.pulsation:
             return None
         if self.linear:
             return drive * self.gap**2 / (12.0 * self.kinematic_viscosity) * self._slip_factor
@@ -618,6 +629,9 @@ class Channel(ChannelFlow, Scene):
                 value = f"{mean:.{6 if self.linear else 4}g} {length}/{time}"
                 text += f", of which the developed flow has the mean speed {value}"
             lines.append(("drive", text))
+        if self.pulsation:
+            kind = "oscillates with the amplitude" if self.pulsation.angular_frequency else "varies, up to"
+            lines.append(("drive", f"{kind} {self.pulsation.largest_speed:.6g} {length}/{time}^2 along x"))
         for name, wall in reversed(self.walls):
             if wall.angular_frequency:
                 depth = wall.penetration_depth(self.kinematic_viscosity)

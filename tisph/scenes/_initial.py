@@ -1,12 +1,14 @@
 """Sections of a config that scenes share: start, drive and contact; and the checks of start and periods."""
 
 from collections.abc import Iterator, Sequence
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole
+from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, Whole, findings, refusals, refuse
+from tisph.config.motion import Amplitude, Times, Values, WallMotion, check_as_many, check_schedule
 from tisph.config.schema import LEAST_IN_PERIOD, Config
+from tisph.geometry import motion
 
 
 class Drive(Model):
@@ -22,6 +24,63 @@ class Drive(Model):
 
     acceleration: Signed = 0.0
     gravity: Annotated[tuple[Signed, Signed], Field(strict=False)] | None = None
+
+
+class PulsatingDrive(WallMotion):
+    """Acceleration along walls or axis [length/time^2], -(dp/dx)/density, of either sign.
+
+    ``acceleration`` + ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t, each part 0 unless
+    given; or ``accelerations`` at ``times``, linear in between and constant before and after, with a jump where two
+    times are equal.
+    """
+
+    speed_key = "acceleration"
+    other_keys = ("times", "accelerations")
+    unset_keys = ("acceleration", "amplitude", "angular_frequency", "phase", *other_keys)
+
+    acceleration: Signed | None = None
+    amplitude: Amplitude | None = None
+    angular_frequency: Positive | None = None
+    phase: Literal["cos", "sin"] | None = None
+    times: Times | None = None
+    accelerations: Values | None = None
+
+    acceleration_before: ClassVar[None] = None
+
+    @model_validator(mode="after")
+    def _check_times(self) -> "PulsatingDrive":
+        if self.times is None and self.accelerations is None:
+            return self
+        others = [key for key in ("acceleration", "amplitude", "angular_frequency", "phase") if getattr(self, key)]
+        refuse(findings(self, others, "must be left out beside accelerations at times"))
+        if self.accelerations is None:
+            raise refusals([(("times",), "is only for accelerations at these times", self.times)])
+        check_as_many(self, "accelerations")
+        check_schedule(self, "accelerations")
+        return self
+
+    @property
+    def varies(self) -> str | None:
+        """Key of the part that varies with time; None of a constant drive."""
+        return "accelerations" if self.accelerations else "amplitude" if self.amplitude else None
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The constant part and the part that varies, by the names of members of a flow."""
+        varying: Any = None
+        if self.accelerations:
+            varying = motion.Schedule(self.times or (), self.accelerations)
+        elif self.amplitude:
+            varying = motion.WallMotion.from_config(self)
+        return {"acceleration": self.acceleration or 0.0, "pulsation": varying}
+
+    def start_problems(self, config: Config) -> Iterator[Problem]:
+        """Yield the errors in the start of a ``config`` with a drive that varies."""
+        if self.accelerations and config.initial.state != "rest":
+            yield "initial.state", "must be rest where the drive has accelerations at times"
+        elif self.amplitude and config.initial.state == "developed" and not config.fluid.newtonian:
+            text = f"no periodic flow is built in for {config.fluid.rheology.type} fluids"
+            yield "initial.state", f"{text}: take rest, or a drive without amplitude"
 
 
 class Contact(Model):

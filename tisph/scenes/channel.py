@@ -32,7 +32,7 @@ from tisph.config.motion import (
     frictionless_findings,
 )
 from tisph.scenes._channel import SIDES, Channel
-from tisph.scenes._initial import Contact, Drive, Initial, start_problems, still_problem
+from tisph.scenes._initial import Contact, Initial, PulsatingDrive, start_problems, still_problem
 
 __all__ = ["Channel", "Config", "Scene"]
 
@@ -205,6 +205,18 @@ class Walls(Model):
     top: Wall = Wall()
 
 
+class Drive(PulsatingDrive):
+    """Drive along x, see ``PulsatingDrive``; with bodies or open ends it is constant, with the ``gravity`` of bodies.
+
+    A constant acceleration and gravity act on bodies as in ``_initial.Drive``.
+    """
+
+    unset_keys = ("gravity", *PulsatingDrive.unset_keys[1:])
+
+    acceleration: Signed = 0.0
+    gravity: Annotated[tuple[Signed, Signed], Field(strict=False)] | None = None
+
+
 class Probes(Model):
     """Fixed points on a vertical line at ``x`` [length], whose velocities go to history.csv."""
 
@@ -218,7 +230,7 @@ class Config(schema.Config):
     geometry: Geometry
     walls: Walls = Walls()
     ends: Ends | None = None
-    drive: Drive = Drive()
+    drive: Annotated[Drive, Field(default_factory=lambda: Drive.model_validate({}))]
     contact: Contact | None = None
     bodies: Bodies = ()
     initial: Initial = Initial()
@@ -258,7 +270,7 @@ class Config(schema.Config):
         if any(wall.amplitude is not None for wall in walls):
             return "Flow at an oscillating wall"
         moving = any(wall.velocity or wall.velocity_before or wall.velocities for wall in walls)
-        driven = bool(self.drive.acceleration)
+        driven = bool(self.drive.acceleration or self.drive.varies)
         return {(True, False): "Plane Couette flow", (False, True): "Plane Poiseuille flow"}.get(
             (moving, driven), "Plane Couette-Poiseuille flow" if moving else super().flow
         )
@@ -310,6 +322,7 @@ class Config(schema.Config):
         yield from _driven(self)
         yield from _motion(self)
         yield from start_problems(self, SIDES)
+        yield from self.drive.start_problems(self)
         rheology = self.fluid.rheology
         swinging = any(getattr(self.walls, side).amplitude is not None for side in SIDES)
         if not self.fluid.newtonian and swinging and self.initial.state == "developed":
@@ -352,7 +365,8 @@ class Scene:
 def _motion(config: Config) -> Iterator[Problem]:
     """Yield an error if nothing moves."""
     walls = (config.walls.bottom, config.walls.top)
-    if config.drive.acceleration or any(wall.amplitude or wall.stress_controlled or wall.velocities for wall in walls):
+    driven = config.drive.acceleration or config.drive.varies
+    if driven or any(wall.amplitude or wall.stress_controlled or wall.velocities for wall in walls):
         return
     velocities = {velocity for wall in walls for velocity in (wall.velocity, wall.velocity_before)} - {None}
     developed = config.initial.state == "developed" or any(wall.velocity_before is not None for wall in walls)
@@ -388,6 +402,9 @@ def _problems_with_bodies_or_ends(config: Config) -> Iterator[Problem]:
     from tisph.geometry.body import Body
     from tisph.scenes._cell import bodies_of, cell_problems, walls_along
 
+    if config.drive.varies:
+        yield f"drive.{config.drive.varies}", "must be left out: with bodies, outlines or open ends a drive is constant"
+        return
     sides = {side: getattr(config.walls, side) for side in SIDES}
     where = "with bodies in the channel" if config.bodies else "with a wall that is no plane"
     able = "a Newtonian fluid and steady walls make it developed"

@@ -10,23 +10,22 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from tisph.config.base import Model, NonNegative, Positive, Problem, Signed, refusals, refuse
 from tisph.config.ends import Ends
-from tisph.config.motion import Amplitude, SlipLength, Spacing, frictionless_findings, slip_length_of
-from tisph.config.motion import WallMotion as Oscillation
+from tisph.config.motion import SlipLength, Spacing, frictionless_findings, slip_length_of
 from tisph.exact._fluids import Rheology, fluid_of
 from tisph.exact.start_up import CircularStartUp, PipeStartUp, slipping
 from tisph.geometry.body import Body
-from tisph.geometry.motion import RigidMotion, WallMotion
+from tisph.geometry.motion import RigidMotion, Schedule, WallMotion
 from tisph.measures.metrics import field_error
 from tisph.scenes import _axisymmetric
 from tisph.scenes._axisymmetric import AxisymmetricScene, cylinder
-from tisph.scenes._initial import Initial, start_problems, still_problem
+from tisph.scenes._initial import Initial, PulsatingDrive, start_problems, still_problem
 from tisph.scenes._views import Profile, TimeSeries
 from tisph.snapshot import STRESSES, Snapshot
 
@@ -74,23 +73,6 @@ class Walls(Model):
     inner: Cylinder | None = None
 
 
-class Drive(Oscillation):
-    """Acceleration along the axis [length/time^2], -(dp/dx)/density: constant, oscillating, or the sum of both.
-
-    ``acceleration`` + ``amplitude`` * cos or sin (``phase``) of ``angular_frequency`` [1/time] * t.
-    """
-
-    speed_key = "acceleration"
-    unset_keys = ("acceleration", "amplitude", "angular_frequency", "phase")
-
-    acceleration: Signed | None = None
-    amplitude: Amplitude | None = None
-    angular_frequency: Positive | None = None
-    phase: Literal["cos", "sin"] | None = None
-
-    acceleration_before: ClassVar[None] = None
-
-
 AROUND = ("stress_tt", "stress_yt", "stress_yy")
 """Stress components of flow around the axis, in the order of ``Coaxial.polymer_stress``."""
 
@@ -100,7 +82,7 @@ class Config(_axisymmetric.Config):
 
     geometry: Geometry
     walls: Walls = Walls()
-    drive: Annotated[Drive, Field(default_factory=lambda: Drive.model_validate({}))]
+    drive: Annotated[PulsatingDrive, Field(default_factory=lambda: PulsatingDrive.model_validate({}))]
     ends: Ends | None = None
     initial: Initial = Initial()
 
@@ -161,36 +143,34 @@ class Config(_axisymmetric.Config):
             from tisph.scenes._ends import stream_problems
 
             yield from stream_problems(self, {f"walls.{name}": wall for name, wall in self.placed_walls.items()})
-            if self.drive.amplitude:
-                yield "drive.amplitude", "must be left out: the inlet drives the flow"
+            if self.drive.varies:
+                yield f"drive.{self.drive.varies}", "must be left out: the inlet drives the flow"
             if self.initial.state == "exact":
                 yield "initial.state", "must be rest or developed: with open ends no exact flow is known"
             return
         yield from start_problems(self, ())
         loose = all(wall.slip_length == "infinite" for wall in ([inner] if self.inner_radius else []) + [outer])
-        if loose and self.drive.acceleration:
+        if loose and (self.drive.acceleration or self.drive.accelerations):
             text = "must be 0 where no wall has friction (slip_length: infinite): nothing holds the fluid"
             yield "drive.acceleration", text
-        along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.amplitude)
+        along = bool(inner.velocity or outer.velocity or self.drive.acceleration or self.drive.varies)
         around = bool(inner.angular_velocity or outer.angular_velocity)
         if not along and not around:
             yield from still_problem(self, "drive", "give an acceleration, or let a wall move")
         if along and around and not self.fluid.newtonian:
             yield "fluid.rheology.type", "must be newtonian where fluid flows both along the axis and around it"
-        if self.drive.amplitude and self.initial.state == "developed" and not self.fluid.newtonian:
-            text = f"no periodic flow is built in for {self.fluid.rheology.type} fluids"
-            yield "initial.state", f"{text}: take rest, or a drive without amplitude"
+        yield from self.drive.start_problems(self)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(AxisymmetricScene):
-    """A pipe under ``acceleration`` + ``pulsation``(t) along the axis, the latter None without an oscillating part.
+    """A pipe under ``acceleration`` + ``pulsation``(t) along the axis, the latter None without a part that varies.
 
     ``initial_state`` is ``rest``, ``developed`` or ``exact``.
     """
 
     acceleration: float
-    pulsation: WallMotion | None
+    pulsation: WallMotion | Schedule | None
     initial_state: str
 
     @property
@@ -220,29 +200,30 @@ class Scene(AxisymmetricScene):
             outer_radius=config.outer_radius,
             names=tuple(walls),
             bodies=tuple(walls.values()),
-            acceleration=config.drive.acceleration or 0.0,
-            pulsation=WallMotion.from_config(config.drive) if config.drive.amplitude else None,
+            **config.drive.parts,
             initial_state=config.initial.state,
             start_time=config.start_time,
         )
 
     @property
     def body_force(self) -> Callable | None:
-        """Function of places and a time that returns the oscillating part of the acceleration; None without one."""
-        return self._oscillating if self.pulsation else None
+        """Function of places and a time that returns the part of the acceleration that varies; None without one."""
+        return self._pulsating if self.pulsation else None
 
-    def _oscillating(self, x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
+    @property
+    def jump_times(self) -> tuple[float, ...]:
+        """See ``FlowDefaults.jump_times``: of walls and drive."""
+        return tuple(sorted({*super().jump_times, *self.drive.jump_times}))
+
+    def _pulsating(self, x: np.ndarray, y: np.ndarray, t: float) -> tuple[np.ndarray, ...]:
         assert self.pulsation is not None
         return self.pulsation.velocity(t) + np.zeros_like(x), np.zeros_like(x), np.zeros_like(x)
 
     @property
     def velocity_scale(self) -> float:
         """Speed of the fastest wall, or the largest velocity that the drive may cause in a Newtonian fluid."""
-        square, viscosity = self.reference_length**2 * self._largest_driven, self.kinematic_viscosity
-        driven = abs(self.acceleration) * square / viscosity if self.acceleration else 0.0
-        if self.pulsation:
-            strength = self.pulsation.amplitude
-            driven += min(strength * square / viscosity, strength / self.pulsation.angular_frequency)
+        square = self.reference_length**2 * self._largest_driven if self.acceleration or self.pulsation else 0.0
+        driven = abs(self.acceleration) * square / self.kinematic_viscosity + self.pulsating_velocity(square)
         return max(super().velocity_scale, driven)
 
     @property
@@ -260,7 +241,7 @@ class Scene(AxisymmetricScene):
 
     @property
     def vanishing_scale(self) -> bool:
-        """Whether the drive has an oscillating part."""
+        """Whether the drive varies."""
         return self.pulsation is not None
 
     @property
@@ -273,7 +254,8 @@ class Scene(AxisymmetricScene):
         layers = []
         if self.initial_state != "developed":
             layers.append((self.layer_depth(t), "the layer at the wall"))
-        if self.pulsation:
+        if self.driven_periodically:
+            assert self.pulsation is not None
             moved = 0.5 * self.pulsation.penetration_depth(self.kinematic_viscosity)
             layers.append((moved, "the layer at the wall of a flow that oscillates"))
         return min(layers, default=(math.inf, ""))

@@ -95,7 +95,7 @@ def explicit(config: Config, channel: Scene) -> SchemeEstimates:
         channel,
         sound,
         speed=channel.peak_velocity,
-        acceleration=abs(channel.acceleration),
+        acceleration=abs(channel.acceleration) + (channel.pulsation.largest_speed if channel.pulsation else 0.0),
         elastic_speed=channel.elastic_speed,
     )
     binding = min(limits, key=lambda name: limits[name])

@@ -53,7 +53,7 @@ def momentum_terms(
     the imbalance over the largest of the terms; None where all are 0.
     """
     particle_mass = channel.density * channel.spacing**2
-    drive = channel.density * channel.gap * channel.length * channel.acceleration * (time - channel.start_time)
+    drive = channel.density * channel.gap * channel.length * channel.drive.gained(channel.start_time, time)
     drive += particle_mass * pull
     terms = {
         "change": particle_mass * velocity_change,

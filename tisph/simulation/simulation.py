@@ -248,26 +248,37 @@ class Simulation:
             raise TisphError("results: is to be called once, before the first step, as results begin with the start")
         self.recording = Recording.of(self, Path(folder), overwrite=overwrite, video=video)
 
-    def set(self, key: str, value: float) -> None:
-        """Change the velocity of a wall, or its angular velocity or stress, from ``time`` on: it jumps to ``value``.
+    def set(self, key: str, value: "float | Field", over: float = 0.0) -> None:
+        """Change a wall, drive, inflow or ``body_force`` to ``value``, from ``time`` on, within a time ``over``.
 
-        ``key`` is such as ``walls.top.velocity``. The ``config``, the reference solution, checkpoints and the folder of
-        ``results`` include the change. ConfigError for another key, and where the flow takes no such wall.
+        ``key``: ``walls.top.velocity``, ``drive.acceleration``, ``ends.left.velocity``. The ``config``, the reference,
+        checkpoints and the folder of ``results`` include the change. ConfigError where the flow takes no such change.
         """
         self.begin()
         scheme, recording = self._open_scheme(), self.recording
         if self.finished or not self.steps:
             raise ConfigError(f"set: {key} can be changed after the first step and before the end of the run")
-        config = changed(self.config, key, value, self.time)
+        config, functions = self.config, self._functions
+        if key == "body_force":
+            if recording or over or not callable(value):
+                raise ConfigError("set: body_force needs a function, without over, and no results, as no config has it")
+            functions = (functions[0], value, *functions[2:])
+            with_functions(scenes.of(config), self.resolved.scheme.type, *functions)
+        elif callable(value):
+            raise ConfigError(f"set: {key} must be a number; a function is for body_force")
+        else:
+            config = changed(config, key, value, self.time, over)
         own = [each for each in self.observers if each not in (self.guard, *(recording.added if recording else ()))]
-        # the new config has the wall's values at ``times``; the run goes on from a checkpoint, as after Ctrl-C
+        # the new config has the values at ``times``; the run goes on from a checkpoint, as after Ctrl-C
         callbacks, costs, first_step = self.callbacks, self.costs, self.first_step
         if recording:
             recording.finish("interrupted")
         with TemporaryDirectory() as folder:
             checkpoint.save(path := Path(folder) / "checkpoint.h5", scheme, config.resolved_yaml())
             self.release()
-            self._set_up(config, path, *self._functions)
+            self._set_up(config, path, *functions)
+        # steps are to end where the change ends
+        self._open_scheme().set_targets(sorted({*self.config.time.samples, self.config.time.end}))
         self.costs, self.first_step, self._begun = costs, first_step, True
         self.observers += own
         self.callbacks = callbacks
@@ -374,39 +385,53 @@ class Simulation:
             raise
 
 
-VALUES_AT_TIMES = {"velocity": "velocities", "angular_velocity": "angular_velocities", "shear_stress": "stresses"}
-"""Key of a constant value of a wall -> key of its values at ``times``."""
+VALUES_AT_TIMES = {
+    "velocity": "velocities",
+    "angular_velocity": "angular_velocities",
+    "shear_stress": "stresses",
+    "acceleration": "accelerations",
+}
+"""Key of a constant value of a wall, an inlet or the drive -> key of its values at ``times``."""
 
 
-def changed(config: Config, key: str, value: float, time: float) -> Any:
-    """Return ``config`` with a wall whose value under the dotted ``key`` jumps to ``value`` at ``time``.
+def changed(config: Config, key: str, value: float, time: float, over: float = 0.0) -> Any:
+    """Return ``config`` whose value under the dotted ``key`` changes to ``value`` from ``time`` to ``time + over``.
 
     ConfigError where the value cannot be changed in a run, and where the scene refuses the config.
     """
-    walls = getattr(config, "walls", None)
+    sections = {f"{name}.{side}": part for name in ("walls", "ends") for side, part in _parts(config, name)}
+    sections["drive"] = getattr(config, "drive", None)
     keys = {
-        f"walls.{side}.{name}": (wall, name, many)
-        for side, wall in (vars(walls).items() if walls else ())
+        f"{place}.{name}": (place, name, many)
+        for place, part in sections.items()
         for name, many in VALUES_AT_TIMES.items()
-        if hasattr(wall, many) and (getattr(wall, name) is not None or getattr(wall, many) is not None)
+        if hasattr(part, many) and (getattr(part, name) is not None or getattr(part, many) is not None)
+        if not getattr(part, "amplitude", None)
     }
     if key not in keys:
         found = f"must be one of {', '.join(keys)}{nearest(key, keys)}" if keys else "nothing of this flow can be"
         raise ConfigError(f"set: {key} cannot be changed in a run; {found}")
-    wall, name, many = keys[key]
-    times, values = wall.times or (0.0,), getattr(wall, many) or (getattr(wall, name),)
+    place, name, many = keys[key]
+    part = sections[place]
+    times, values = part.times or (0.0,), getattr(part, many) or (getattr(part, name),)
     if many == "stresses":  # each from its time on
-        ends = [value]
-        past = [(0.0, 0.0)]
+        if over:
+            raise ConfigError(f"set: {key} jumps: leave out over")
+        changes, past = [(time, value)], [(0.0, 0.0)]
     else:
-        ends = [float(motion.Schedule(times, values).velocity(time)), value]
-        past = [(0.0, values[0])]
+        before = float(motion.Schedule(times, values).velocity(time))
+        changes, past = [(time, before), (time + over, value)], [(0.0, values[0])]
     past = [pair for pair in zip(times, values, strict=True) if pair[0] < time] or past
-    table = [*past, *((time, each) for each in ends)]
-    given = {"times": [when for when, _ in table], many: [each for _, each in table]}
-    if getattr(wall, "mass_per_area", None) is not None:
-        given["mass_per_area"] = wall.mass_per_area
-    return loaded(config, {key.rpartition(".")[0]: given})
+    table = [*past, *changes]
+    constant = {key: 0.0 if place == "drive" else None}
+    given = {f"{place}.times": [when for when, _ in table], f"{place}.{many}": [each for _, each in table]}
+    return loaded(config, {**constant, **given})
+
+
+def _parts(config: Config, name: str) -> list[tuple[str, Any]]:
+    """Return the parts of the section ``name`` of a ``config``; none without the section."""
+    section = getattr(config, name, None)
+    return list(vars(section).items()) if section else []
 
 
 def with_functions(

@@ -148,7 +148,7 @@ class CarriedSubstances(NoSubstances):
         self.buoyancy = float(self.first.buoyancy[0])
         self.jumping = [each.substance.diffusivity for each in self.equations if each.jumps]
         self.involved = "temperature, " if self.acts else ""
-        self.forced = channel.driven_side is not None or channel.acceleration != 0.0
+        self.forced = channel.driven_side is not None or channel.acceleration != 0.0 or channel.drive.varies
         self.least = self.first.factor(self.initial(np.linspace(0.0, channel.gap, channel.rows))[0]).min()
         self.reset()
 

@@ -430,7 +430,7 @@ class WallForce:
         self, closed: ClosedParticleOperators, walls: WallPair, extra: NoExtraStress, channel: Channel
     ) -> None:
         self.closed, self.operators, self.ghosts = closed, closed.operators, closed.ghosts
-        self.walls, self.extra, self.acceleration = walls, extra, channel.acceleration
+        self.walls, self.extra = walls, extra
         self.viscosity, self.area = channel.solvent_viscosity, channel.length / channel.spacing**2
 
     def impulse(self, flows: list[FlowState], time: float, dt: float, resolved: bool) -> list[float]:
@@ -463,12 +463,13 @@ class WallForce:
         stress = self.viscosity * self.operators.apply_to(ghosts.near, self.operators.d_dy, velocity)
         if extra_stress is not None:
             stress = stress + extra_stress[ghosts.near]
-        found = []
+        found, drive = [], self.walls.drive
+        more = weighted(B, self.walls.body_acceleration) - drive.constant if drive.varies else 0.0
         for wall, distance in zip(self.walls, ghosts.offset, strict=True):
             slope = sum(weight * wall.acceleration(time + c * dt) for c, weight in zip(C, B, strict=True))
-            slope = slope - wall.mean_pull
+            slope = slope - wall.mean_pull - more
             near = distance < ghosts.cutoff
-            rise = wall.normal_sign * (slope - self.acceleration) * distance
+            rise = wall.normal_sign * (slope - drive.constant) * distance
             square, rest = distance[near] ** 2, (stress - rise)[near]
             second, fourth = square.sum(), (square * square).sum()
             determinant = square.size * fourth - second * second

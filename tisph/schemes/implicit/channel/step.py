@@ -62,12 +62,12 @@ larger, over a diffusivity."""
 
 
 def step_control(config: Config, channel: Channel, targets: Sequence[float]) -> StepControl:
-    """Return the ``StepControl`` of a run: it ends steps on the times ``targets`` and on jumps of the walls.
+    """Return the ``StepControl`` of a run: it ends steps on the times ``targets`` and on jumps of walls and drive.
 
     Each step is limited by the strain between neighbouring layers, or with ``time.cfl`` it has a fixed length.
     """
     tolerance = TOLERANCE if config.time.tolerance == "auto" else config.time.tolerance
-    jump_times = {time for wall in (channel.bottom, channel.top) for time in wall.jump_times}
+    jump_times = {time for part in (channel.bottom, channel.top, channel.drive) for time in part.jump_times}
     limit: Callable[[float], float]
     if config.time.cfl != "auto":
         first = config.time.cfl * channel.spacing / channel.reference_velocity
@@ -186,7 +186,7 @@ class NoExtraStress:
 
     def __init__(self, operators: ClosedOperators, walls: WallPair, channel: Channel) -> None:
         self.operators, self.walls, self.channel = operators, walls, channel
-        self.viscosity, self.acceleration = channel.solvent_viscosity, channel.acceleration
+        self.viscosity = channel.solvent_viscosity
         self.steady_source: np.ndarray | None = None
 
     def wall_values(self, flow: FlowState) -> np.ndarray | None:
@@ -221,7 +221,7 @@ class NoExtraStress:
         if self.steady_source is not None:
             return self.steady_source
         source = self.viscosity * self.operators.boundary_laplacian(self.walls.series(stage))
-        source += self.acceleration
+        source += self.walls.body_acceleration[stage]
         self.steady_source = source if self.walls.steady else None
         return source
 

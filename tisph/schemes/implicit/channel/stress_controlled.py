@@ -118,7 +118,7 @@ class InertialWall(WallOfGivenStress):
 
     def begin_stage(self, stage: int, time: float) -> None:
         """Begin a stage at ``time``: compute its explicit parts from the rates of earlier stages."""
-        self.stress = float(self.stress_of(time))
+        self.stress, self.stage_time = float(self.stress_of(time)), time
         gamma_dt = self.gamma_dt if stage else 0.0
         self.system = WallSystem(gamma_dt, self.model, self.viscosity, self.fluid[stage], self.effects[stage])
         self.known = explicit_part(self.velocity, stage, self.dt, self.rates)
@@ -130,8 +130,10 @@ class InertialWall(WallOfGivenStress):
     def accelerate(self, velocity: float, rate: float) -> None:
         """Set ``velocity`` and acceleration ``rate`` of the wall in the present stage, and its series."""
         self.stage_velocity, self.rate = velocity, rate
-        self.driving = rate - self.channel.acceleration - self.system.effects.pull
-        found, self.state_rates = self.system.derivatives(self.known_slope, self.known_third, self.driving, 0.0)
+        self.driving = rate - self.drive.value(self.stage_time) - self.system.effects.pull
+        driving_rate = -self.drive.slope(self.stage_time)
+        known = self.known_slope, self.known_third
+        found, self.state_rates = self.system.derivatives(*known, self.driving, driving_rate)
         self.ends = found[:2]
         self.series[-1], self.stress_series[-1] = [2.0 * velocity, found[2], found[3] / 12.0], found[4:]
 

@@ -7,7 +7,7 @@ Images beyond a wall continue the flow. With the distance d from the wall, an im
 with the wall velocity U, the extra stress S and the derivatives S_d along d. By the momentum equation at the wall,
 with the body acceleration g,
 
-    u_yy = (U' - g - S_y)/nu_s,    u_yyyy = (U'' - S_yyy')/nu_s .
+    u_yy = (U' - g - S_y)/nu_s,    u_yyyy = (U'' - g' - S_yyy')/nu_s .
 
 The slopes of the states C obey the derivative of the law of the fluid at the wall,
 
@@ -97,6 +97,8 @@ class WallPair:
         self.coupled = isinstance(model, StressModel)
         self.steady = not self.coupled and not any(wall.oscillates for wall in walls)
         self.any_jump = any(any(wall.jumps) or wall.schedule.jump_times or wall.even_reflection for wall in walls)
+        self.any_jump = self.any_jump or bool(channel.drive.jump_times)
+        self.drive, self.body_acceleration = channel.drive.after(channel.start_time), [channel.acceleration] * len(C)
         self.even_reflection = tuple(wall.even_reflection for wall in walls)
         self.stress_controlled: list[Any] = [wall for wall in walls if not wall.prescribed]
         self.past: Any = None
@@ -112,8 +114,9 @@ class WallPair:
             wall.start()
 
     def enter(self, time: float) -> None:
-        """Use the wall motions from ``time`` on, and extrapolate nothing from before a jump."""
+        """Use wall motions and drive from ``time`` on, and extrapolate nothing from before a jump."""
         self.past = None
+        self.drive = self.channel.drive.after(time)
         for wall in self.walls:
             wall.enter(time)
 
@@ -129,6 +132,8 @@ class WallPair:
         stages; None without an extra stress.
         """
         stages: Any = None
+        if self.drive.varies:
+            self.body_acceleration = [self.drive.value(time + c * dt) for c in C]
         if near is not None:
             self.present, change = (time, near), 0.0
             if self.past is not None:
@@ -246,7 +251,7 @@ class PrescribedWall:
         self.viscosity = channel.solvent_viscosity
         self.normal_sign = 1.0 if side == 0 else -1.0
         self.schedule: Any = (channel.bottom, channel.top)[side]
-        self.oscillates = self.schedule.oscillates or not channel.isothermal
+        self.oscillates = self.schedule.oscillates or channel.drive.varies or not channel.isothermal
         self.effects: Sequence[WallEffects] = ISOTHERMAL
         self.jumps = self.first_jumps()
         self.series: list[Any] = []
@@ -259,20 +264,22 @@ class PrescribedWall:
         if channel.start_time > 0.0:
             return 0.0, 0.0
         if not channel.starts_developed:
-            return channel.wall_jumps[self.side], acceleration - channel.acceleration
+            return channel.wall_jumps[self.side], acceleration - channel.drive.value(0.0)
         before = 0.0 if self.schedule.before is not None else acceleration
         return channel.wall_jumps[self.side], acceleration - before
 
     def later_jumps(self, time: float) -> tuple[float, float]:
         """Return the jumps of velocity and acceleration at a ``time`` after the start."""
-        return next((tuple(both) for when, *both in self.schedule.breakpoints if when == time), (0.0, 0.0))
+        points = self.schedule.breakpoints
+        jump, bend = next((tuple(both) for when, *both in points if when == time), (0.0, 0.0))
+        return jump, bend - self.channel.drive.jump(time)
 
     def start(self) -> None:
         """Return to the start of the run."""
 
     def enter(self, time: float) -> None:
         """Use the motion of the wall from ``time`` to its next jump."""
-        self.motion = self.schedule.after(time)
+        self.motion, self.drive = self.schedule.after(time), self.channel.drive.after(time)
         self.steady_series: list[Series] | None = None
 
     def begin(self, time: float, dt: float, fluid: Any, operators: ClosedOperators) -> None:
@@ -291,8 +298,9 @@ class PrescribedWall:
         if not self.obeys_momentum:
             return [velocity, 0.0, 0.0]
         nu = self.channel.kinematic_viscosity
-        second = (self.motion.acceleration(time) - self.channel.acceleration - effects.pull) / nu
-        driving_rate = self.motion.jerk(time) - effects.pull_rate - nu * effects.pull_curvature
+        second = (self.motion.acceleration(time) - self.drive.value(time) - effects.pull) / nu
+        driving_rate = self.motion.jerk(time) - self.drive.slope(time) - effects.pull_rate
+        driving_rate -= nu * effects.pull_curvature
         return [velocity, second, driving_rate / nu**2 / 12.0]
 
     @property
@@ -389,8 +397,9 @@ class CoupledWall(PrescribedWall):
             system = WallSystem(GAMMA * dt if stage else 0.0, self.model, self.viscosity, values, effects)
             known = explicit_part(self.slope, stage, dt, rates), explicit_part(self.third, stage, dt, third_rates)
             motion, when = self.motion, time + c * dt
-            driving = motion.acceleration(when) - self.channel.acceleration - effects.pull, motion.jerk(when)
-            derivatives, (rate, third_rate) = system.derivatives(*known, *driving)
+            driving = motion.acceleration(when) - self.drive.value(when) - effects.pull
+            driving_rate = motion.jerk(when) - self.drive.slope(when)
+            derivatives, (rate, third_rate) = system.derivatives(*known, driving, driving_rate)
             rates.append(rate)
             third_rates.append(third_rate)
             self.prescribe(motion.velocity(when), *derivatives)
@@ -470,8 +479,8 @@ class WallSystem:
     ) -> tuple[tuple[Any, ...], tuple[np.ndarray, np.ndarray]]:
         """Return (C_y, C_yyy, u_yy, u_yyyy, S_y, S_yyy) and (C_y', C_yyy').
 
-        ``driving``: nu_s u_yy + S_y = U' - g - b, and U'', the ``driving_rate`` without b_t. ``thermal``: part of the
-        effects of the temperature.
+        ``driving``: nu_s u_yy + S_y = U' - g - b, and U'' - g', the ``driving_rate`` without b_t. ``thermal``: part
+        of the effects of the temperature.
         """
         effects, factor_slope = self.effects, thermal * self.effects.factor_slope
         slope, rate, second = self.solve(known, driving, factor_slope)

@@ -7,7 +7,8 @@ prints for each key how many of the 95 % intervals contain the true value, and t
 then the median of the processor time and of the predictions of a fit, the fits that are called doubtful, and the
 largest relative error with data without noise. Noise is 1 % of the largest velocity, or of each value of a rheometer.
 Starting points are predicted once for all data sets of a case, so that the first fit has the time of a fit alone.
-``hidden`` fits a key on which the data do not depend, ``laws`` and ``polymers`` choose among four laws.
+``hidden`` fits a key on which the data do not depend, ``laws`` and ``polymers`` choose among four laws. In steady shear
+FENE-P and linear Phan-Thien-Tanner fluids have the same viscosity and N1: ``polymers`` cannot tell these two apart.
 """
 
 import argparse

@@ -132,6 +132,15 @@ def inked(label, t):
     return np.flatnonzero((frame[label.boxes[0].slices][:, -34:, 0] < 90).any(axis=0))
 
 
+def test_a_drive_that_varies_is_shown_as_at_each_moment():
+    pipe = scene_of("womersley")
+    largest = pipe.drive_shown[2][0]
+    assert largest == pytest.approx(abs(pipe.acceleration) + pipe.pulsation.amplitude)
+    for t in (0.0, 0.3, 1.1):
+        assert pipe.drive_share(t) * largest == pytest.approx(pipe.drive.value(t))
+    assert scene_of("poiseuille").drive_share(0.3) is None
+
+
 def test_the_arrow_of_a_lid_follows_its_velocity():
     lid = scene_of("cavity_oldroyd_b")
     label = DriveLabel(lid, arrange(lid, 1280, 640))

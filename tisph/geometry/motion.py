@@ -339,6 +339,11 @@ class Drive:
         """Times above 0 at which g, or its slope, jumps."""
         return self.pulsation.jump_times if self.pulsation else ()
 
+    @property
+    def largest(self) -> float:
+        """The constant g, or a bound of the size of one that varies."""
+        return abs(self.constant) + self.pulsation.largest_speed if self.pulsation else self.constant
+
     def value(self, t: float) -> float:
         """Return g at time ``t``."""
         return self.constant + float(self.pulsation.velocity(t)) if self.pulsation else self.constant

@@ -107,12 +107,12 @@ class Scene(FlowInBox):
 
     @property
     def drive_shown(self) -> tuple[str, str, tuple[float, float]]:
-        """What movies show as the drive of the flow: its name, kind of unit, and components along x and y."""
-        return "drive", "acceleration", (self.acceleration, 0.0)
+        """What movies show as the drive of the flow: its name, kind of unit, and largest components along x and y."""
+        return "drive", "acceleration", (self.drive.largest, 0.0)
 
     def drive_share(self, t: float) -> float | None:
         """Return the drive at time ``t`` over ``drive_shown``; None if it is constant."""
-        return None
+        return self.drive.value(t) / self.drive.largest if self.drive.varies else None
 
     @cached_property
     def region(self) -> Region:

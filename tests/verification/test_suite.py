@@ -51,7 +51,7 @@ class SharedRunner(verify.Runner):
 
     def outcome(self, name, config):
         folder = self.store.folder / name
-        with FileLock(self.store.folder / f"{name}.lock"):
+        with FileLock(self.store.folder / f"{name}.shared"):
             if folder.exists():
                 return read_result(folder), ""
             if name.endswith("repeat"):

@@ -37,6 +37,7 @@ COMMANDS = {
     "export": (["export", f"runs/{NAME}", "--to", "csv", "--out", f"{NAME}.csv"], 0),
     "compare": (["compare", f"runs/{NAME}/samples.h5", "--config", f"{NAME}.yaml", "--out", f"compare-{NAME}"], 0),
     "sweep": (["sweep", f"{NAME}.yaml"], 2),
+    "fit": (["fit", f"{NAME}.csv", "--config", f"{NAME}.yaml", "--free", "fluid.dynamic_viscosity=1..2"], 2),
     "rheometry": (["rheometry", f"runs/{NAME}"], 2),
     "references": (["references", NAME], 2),
 }

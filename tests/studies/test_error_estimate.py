@@ -8,6 +8,7 @@ import pytest
 from tisph import simulation
 from tisph.config import load
 from tisph.studies.error_estimate import Coarser
+from tisph.studies.processes import Result
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 
@@ -83,7 +84,7 @@ def test_a_finer_run_tells_the_error_where_no_coarser_one_can_be(config, tmp_pat
 
 def test_where_all_other_runs_fail_there_is_no_estimate(config, tmp_path, monkeypatch):
     def ended(names, launch, most):
-        yield names[0], None, "too bad"
+        yield names[0], Result(tmp_path, {"status": "failed"}), "too bad"
 
     monkeypatch.setattr("tisph.studies.store.run_side_by_side", ended)
     coarser = Coarser(config(), tmp_path)
